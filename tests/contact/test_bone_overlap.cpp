@@ -13,7 +13,7 @@
 namespace lefort::contact::test_bone_overlap {
 namespace {
 
-/// A surface with its field, kept alive.
+/// A surface and its field.
 struct Bone {
   geometry::TriangleMesh surface_B;
   std::shared_ptr<const DistanceQuery> distance_query_B;
@@ -39,7 +39,7 @@ const Bone& ball() {
   return bone;
 }
 
-TEST(BoneOverlap, OfTwoBallsIsTheirLens) {
+TEST(BoneOverlap, OfTwoBallsIsALens) {
   constexpr double kDistance_mm = 10.0, kRadius_mm = 6.0;
   const BoneOverlap found =
       measure_overlap(ball().at(Vec3(kDistance_mm, 0.0, 0.0)), ball().at(Vec3::Zero()), 0.3);
@@ -62,7 +62,7 @@ TEST(BoneOverlap, OfTwoBallsIsTheirLens) {
   }
 }
 
-TEST(BoneOverlap, BonesApartOrThatMerelyTouchDoNotOverlap) {
+TEST(BoneOverlap, SeparateAndTouchingBonesDoNotOverlap) {
   for (const double apart_mm : {20.0, 12.5, 12.0, 11.95}) {
     const BoneOverlap found =
         measure_overlap(ball().at(Vec3(apart_mm, 0.0, 0.0)), ball().at(Vec3::Zero()), 0.3);
@@ -71,7 +71,7 @@ TEST(BoneOverlap, BonesApartOrThatMerelyTouchDoNotOverlap) {
   }
 }
 
-TEST(BoneOverlap, TheHalvesOfACutBoneTouch) {
+TEST(BoneOverlap, TheTwoSidesOfACutTouch) {
   const Bone low(test::make_box({0, 0, 0}, {10, 10, 5})),
       high(test::make_box({0, 0, 5}, {10, 10, 10}));
   EXPECT_FALSE(measure_overlap(high.at(Vec3::Zero()), low.at(Vec3::Zero()), 0.5).overlaps());
@@ -80,8 +80,8 @@ TEST(BoneOverlap, TheHalvesOfACutBoneTouch) {
   EXPECT_NEAR(pushed.volume_mm3, 100.0, 5.0);
 }
 
-TEST(BoneOverlap, AWallThatOnlyEdgesPierceIsFound) {
-  // A needle, its vertices far away on either side of a plate without vertices near it.
+TEST(BoneOverlap, AWallPiercedByEdgesAloneIsFound) {
+  // The vertices of the needle are far from the plate, and those of the plate far from the needle.
   const Bone plate(test::make_box({-10, -10, -1}, {10, 10, 1}));
   const Bone needle(test::make_box({-0.4, -0.4, -8}, {0.4, 0.4, 8}));
   const BoneOverlap found =
@@ -91,7 +91,7 @@ TEST(BoneOverlap, AWallThatOnlyEdgesPierceIsFound) {
   EXPECT_LT(std::abs(found.deepest_L.z()), 0.3);
 }
 
-TEST(BoneOverlap, DeeperThanTheDetectorReportsIsReported) {
+TEST(BoneOverlap, ADepthBeyondTheQueryRangeIsALowerBound) {
   const Bone small(test::make_icosphere(3.0, 4));
   const Bone large(test::make_icosphere(10.0, 5));
   const BoneOverlap found =

@@ -34,7 +34,7 @@ ContactTerm::Options with_depth(double tolerance_mm) {
   return requested;
 }
 
-/// A slab of bone whose upper side is z = 0.
+/// A slab of bone with its upper face at z = 0.
 RigidObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
@@ -51,7 +51,7 @@ RigidObstacle ball(DetectionMethod detection = DetectionMethod::kSmooth) {
   return {field_distance_query(field, detection).value()};
 }
 
-/// A plate 2 mm thick whose upper side is z = 0.
+/// A plate, 2 mm thick, with its upper face at z = 0.
 RigidObstacle plate() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
@@ -60,7 +60,7 @@ RigidObstacle plate() {
   return {field_distance_query(field, DetectionMethod::kSmooth).value()};
 }
 
-/// The tissue above the slab has its lower face, which looks down, at `z`.
+/// The lower face of the tissue above the slab, at height z; its normal points down.
 std::vector<Vec3> flat_face(double z) { return {{0.0, 0.0, z}, {0.0, 4.0, z}, {4.0, 0.0, z}}; }
 const std::vector<mesh::Face> kFace{{mesh::FaceShape::kTri3, {0, 1, 2}}};
 constexpr double kFaceArea_mm2 = 8.0;
@@ -91,9 +91,8 @@ Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>&
   return result;
 }
 
-/// Residual and stiffness against central differences of energy and residual.
-///
-/// \param equations  of positions.
+/// Compares residual and stiffness with central differences of energy and residual.
+/// \param equations  function of the nodal positions.
 void expect_derivatives_of_energy(
     const std::function<Evaluated(const std::vector<Vec3>& x_L)>& equations,
     const std::vector<Vec3>& x_L) {
@@ -112,7 +111,7 @@ void expect_derivatives_of_energy(
   }
 }
 
-TEST(ContactTerm, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
+TEST(ContactTerm, ForceOnAFlatFaceIsTwiceStiffnessDepthArea) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.5));
   const Evaluated at_rest = evaluate(term, 0, flat_face(0.0));
@@ -133,7 +132,7 @@ TEST(ContactTerm, IsFrictionless) {
   }
 }
 
-TEST(ContactTerm, TissueAtRestFeelsNothingHoweverTheMeshMeetsTheBone) {
+TEST(ContactTerm, TissueAtRestIsFreeOfForceAtAnyRestGap) {
   for (const double z : {-0.4, -0.1, 0.0, 0.3}) {
     const ContactTerm term(flat_face(z), kFace, slab(), options(0.5));
     const Evaluated at_rest = evaluate(term, 0, flat_face(z));
@@ -141,7 +140,7 @@ TEST(ContactTerm, TissueAtRestFeelsNothingHoweverTheMeshMeetsTheBone) {
   }
 }
 
-TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
+TEST(ContactTerm, TissueBeyondTheContactToleranceIsFreeUntilTheBoneReachesIt) {
   ContactTerm term(flat_face(1.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(0.9));
   EXPECT_EQ(evaluate(term, 0, flat_face(1.0)).energy_mj, 0.0);
@@ -149,7 +148,7 @@ TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
   EXPECT_NEAR(evaluate(term, 0, flat_face(1.0)).energy_mj, kStiffness * 0.25 * kFaceArea_mm2, 1e-6);
 }
 
-TEST(ContactTerm, TissueFromBeyondTheBandIsTouchedWhereverItComesFrom) {
+TEST(ContactTerm, TissueFromBeyondTheBandComesIntoContact) {
   const auto energy_mj = [](double rest_z, double lift_mm, double z) {
     ContactTerm term(flat_face(rest_z), kFace, slab(), options(0.5));
     term.set_pose(lifted(lift_mm));
@@ -169,7 +168,7 @@ TEST(ContactTerm, ARetreatingBoneDoesNotPull) {
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).residual_n.norm(), 0.0);
 }
 
-TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
+TEST(ContactTerm, DeeperThanTheBandIsInadmissible) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(3.9));
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
@@ -179,22 +178,22 @@ TEST(ContactTerm, ReportsWhatHasTunnelledThroughAPlate) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
-  term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
+  term.set_pose(lifted(1.5));  // The lower face is the closest one now.
   EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
   EXPECT_EQ(term.summarize(flat_face(0.0)).tunnelled_area_mm2, 0.0);
-  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);  // No depth is asked for.
+  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);  // No tolerance is set.
   EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
   term.commit(flat_face(0.0));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
   EXPECT_NEAR(term.summarize(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
 }
 
-TEST(ContactTerm, PastTheMiddleOfAPlateTheWayBackIsTheWayItCame) {
+TEST(ContactTerm, BeyondTheMedialSurfaceTheTangentPlanePushesBack) {
   ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
   term.set_pose(lifted(1.5));
-  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);  // The nearest surface.
-  term.commit(flat_face(0.0));                                   // It is not seen from there.
+  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);  // The closest surface.
+  term.commit(flat_face(0.0));                                   // Keeps the reference.
   EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 6);
   EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);
   const Evaluated kept = evaluate(term, 0, flat_face(0.0));
@@ -204,20 +203,20 @@ TEST(ContactTerm, PastTheMiddleOfAPlateTheWayBackIsTheWayItCame) {
   EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_depth_from_rest_mm, 1.5, 1e-5);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
 
-  term.rollback();  // As remembered: not held off yet.
+  term.rollback();  // The planes were not committed.
   EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
   term.activate_tangent_planes(flat_face(0.0));
   term.commit(flat_face(0.2));
   term.begin_step();
-  EXPECT_GT(term.summarize(flat_face(0.2)).force_L_n.z(), 0.0);  // Still past the middle.
+  EXPECT_GT(term.summarize(flat_face(0.2)).force_L_n.z(), 0.0);  // Still beyond the medial surface.
   term.commit(flat_face(1.2));
   term.set_pose(lifted(3.4));
-  EXPECT_GT(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);  // Held off until
-  term.begin_step();                                             // it sees its side again.
+  EXPECT_GT(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);  // The plane is active until
+  term.begin_step();                                             // the next increment.
   EXPECT_EQ(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);
 }
 
-TEST(ContactTerm, HeldOffByWallsResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+TEST(ContactTerm, WithTangentPlanesResidualAndStiffnessAreDerivativesOfTheEnergy) {
   ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
   std::vector<Vec3> x_L{{0.1, 0.0, 0.0}, {0.0, 4.2, 0.3}, {4.0, 0.2, 0.5}};
   term.set_pose(lifted(1.5));
@@ -225,11 +224,11 @@ TEST(ContactTerm, HeldOffByWallsResidualAndStiffnessAreTheDerivativesOfTheEnergy
   expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, x_L);
 }
 
-TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
+TEST(ContactTerm, AContactToleranceBeyondTheBandIsALogicError) {
   EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), options(3.0)), LogicError);
 }
 
-TEST(ContactTerm, PenetrationAndDepthFromRestAreDistinguished) {
+TEST(ContactTerm, PenetrationAndPenetrationIncreaseDiffer) {
   ContactTerm term(flat_face(-0.4), kFace, slab(), options(0.5));
   EXPECT_NEAR(term.rest_penetration_mm(), 0.4, 1e-6);
   term.set_pose(lifted(1.0));
@@ -248,7 +247,7 @@ struct Tested {
 
 class ContactTermOnABall : public testing::TestWithParam<Tested> {};
 INSTANTIATE_TEST_SUITE_P(
-    ThatClaimAPotential, ContactTermOnABall,
+    WithAPotential, ContactTermOnABall,
     testing::Values(Tested{DetectionMethod::kTrilinear, Integration::kQuadrature, false},
                     Tested{DetectionMethod::kSmooth, Integration::kQuadrature, false},
                     Tested{DetectionMethod::kTrilinear, Integration::kNodes, false},
@@ -257,7 +256,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Tested{DetectionMethod::kSmooth, Integration::kQuadrature, true},
                     Tested{DetectionMethod::kSmooth, Integration::kNodes, true}));
 
-/// What all items say at a state, gathered by node.
+/// \returns the sum of the equations of all items.
 Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
   const auto size = Index(3 * x_L.size());
   Evaluated sum{true, 0.0, VectorX::Zero(size), Eigen::MatrixXd::Zero(size, size)};
@@ -300,7 +299,7 @@ TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   ASSERT_GT(unaugmented_mj, 0.0);
 }
 
-/// A slightly warped face near the ball, of any shape; a middle node bulges a little.
+/// A slightly warped face of any shape near the ball; mid-edge nodes are off the straight edge.
 std::vector<Vec3> warped_face(mesh::FaceShape shape) {
   std::vector<Vec3> x{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.3, 1.1, 1.3}, {6.2, -0.9, 1.0}};
   const auto corners = std::size_t(mesh::corner_count(shape));
@@ -327,7 +326,7 @@ TEST_P(ContactTermOnFaces, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, rest);
 }
 
-TEST_P(ContactTermOnFaces, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
+TEST_P(ContactTermOnFaces, ForceOnAFlatFaceIsTwiceStiffnessDepthArea) {
   const auto corners = std::size_t(mesh::corner_count(GetParam()));
   std::vector<Vec3> x{{0, 0, 0}, {0, 4, 0}, {4, 4, 0}, {4, 0, 0}};
   if (corners == 3) x.erase(x.begin() + 2);
@@ -344,7 +343,7 @@ double min_eigenvalue(const Eigen::MatrixXd& A) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
 }
 
-TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
+TEST(ContactTerm, ThePsdProjectedTangentOnAConvexBoneHasNoNegativeEigenvalue) {
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
   ContactTerm term(rest, kFace, ball(), options(0.1));
   RigidTransform X_LB = RigidTransform::Identity();
@@ -358,7 +357,7 @@ TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
   EXPECT_EQ(convex.residual_n, exact.residual_n);
 }
 
-TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
+TEST(ContactTerm, StatisticsAreSumsOverThePoints) {
   const std::vector<Vec3> nodes{{0.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, {4.0, 0.0, 0.0}, {4.0, 4.0, 0.0}};
   ContactTerm term(nodes,
                    {{mesh::FaceShape::kTri3, {0, 1, 2}}, {mesh::FaceShape::kTri3, {1, 3, 2}}},
@@ -402,7 +401,7 @@ TEST(ContactTerm, ReportsPressureAndGapOfEveryNode) {
   EXPECT_EQ(term.at_nodes(rest)[0].pressure_mpa, 0.0);
 }
 
-TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
+TEST(ContactTerm, RejectsAStateInWhichAPlateHasJumpedThrough) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
   EXPECT_FALSE(term.rejection_reason(flat_face(0.0)));
@@ -412,7 +411,7 @@ TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
   EXPECT_NE(refusal->find("have tunnelled through the plate"), std::string::npos) << *refusal;
 }
 
-TEST(ContactTerm, FeatureNormalsHaveNoPotential) {
+TEST(ContactTerm, BvhNormalsHaveNoPotential) {
   const geometry::TriangleMesh sphere = test::make_icosphere(6.0, 2);
   const ContactTerm term(flat_face(6.0), kFace,
                          {bvh_distance_query(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
@@ -425,7 +424,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LumpedFaces,
                          testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
                                          mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
 
-TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
+TEST_P(LumpedFaces, HaveTheForceAndTheMomentOfThePressureOnTheFace) {
   const auto corners = std::size_t(mesh::corner_count(GetParam()));
   std::vector<Vec3> x{{0, 0, 0}, {0, 4, 0}, {4, 4, 0}, {4, 0, 0}};
   if (corners == 3) x.erase(x.begin() + 2);
@@ -449,7 +448,7 @@ TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
   EXPECT_NEAR(term.summarize(x).area_mm2, area_mm2, 1e-9);
 }
 
-TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
+TEST(ContactTerm, MultipliersAreThePressureWithoutDepthAndNeverPull) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
@@ -457,14 +456,14 @@ TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
   EXPECT_NEAR(term.summarize(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
   EXPECT_NEAR(term.summarize(flat_face(1.0)).max_depth_from_rest_mm, 0.0, 1e-6);
   EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
-  // Half of it, where the face has lifted half as far; nothing at all beyond.
+  // Half of the force where the face is half as far off; none beyond.
   EXPECT_NEAR(term.summarize(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
   EXPECT_EQ(evaluate(term, 0, flat_face(2.1)).residual_n.norm(), 0.0);
-  term.update_multipliers(flat_face(2.1));  // Pressed no more: the multiplier is gone.
+  term.update_multipliers(flat_face(2.1));  // Without pressure the multiplier is zero.
   EXPECT_EQ(term.summarize(flat_face(1.01)).points, 0);
 }
 
-TEST(ContactTerm, RecallsTheMultipliersThatWereRemembered) {
+TEST(ContactTerm, RollbackRestoresTheCommittedMultipliers) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   term.update_multipliers(flat_face(0.0));
@@ -476,7 +475,7 @@ TEST(ContactTerm, RecallsTheMultipliersThatWereRemembered) {
   EXPECT_EQ(term.summarize(flat_face(1.0)).force_L_n.z(), kept_n);
 }
 
-TEST(ContactTerm, RestoredItIsAsItWas) {
+TEST(ContactTerm, RestoreGivesTheCommittedState) {
   const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), with_depth(0.1)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
@@ -489,10 +488,10 @@ TEST(ContactTerm, RestoredItIsAsItWas) {
   const auto summary = term.summarize(flat_face(0.2)), expected = other.summarize(flat_face(0.2));
   EXPECT_EQ(summary.force_L_n, expected.force_L_n);
   EXPECT_GT(summary.force_L_n.z(), 0.0);
-  EXPECT_EQ(summary.tunnelled_area_mm2, 0.0);  // It keeps its side.
+  EXPECT_EQ(summary.tunnelled_area_mm2, 0.0);  // The tangent planes prevent it.
 }
 
-TEST(ContactTerm, RestoredItKnowsWhatHasTunnelled) {
+TEST(ContactTerm, RestoreGivesTheTunnelledArea) {
   const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), options(0.5)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
@@ -508,10 +507,10 @@ TEST(ContactTerm, RestoredItKnowsWhatHasTunnelled) {
   EXPECT_EQ(other.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
 }
 
-TEST(ContactTerm, TheP99OfDepthLeavesOutTheDeepestHundredthOfTheArea) {
+TEST(ContactTerm, TheP99OfDepthExcludesTheDeepestPercentOfTheArea) {
   std::vector<Vec3> nodes;
   std::vector<mesh::Face> faces;
-  for (int n = 0; n < 200; ++n) {  // Faces apart; one lies deep.
+  for (int n = 0; n < 200; ++n) {  // Separate faces, one of them deep.
     const double x = -5.0 + 0.05 * n;
     const double z = n == 50 ? -1.0 : 0.0;
     const auto first = std::int32_t(nodes.size());

@@ -81,7 +81,7 @@ TEST_P(MeasureGap, OfASphereIsTheDistanceToIt) {
   EXPECT_GT(in_band, 300);
 }
 
-TEST_P(MeasureGap, MovingBoneAndPointsTogetherTurnsNormalsAndNothingElse) {
+TEST_P(MeasureGap, AMotionOfBoneAndPointsRotatesTheDerivativesOnly) {
   const RigidObstacle resting{sphere_by(GetParam())};
   RigidObstacle moved = resting;
   moved.X_LB = some_pose();
@@ -96,10 +96,10 @@ TEST_P(MeasureGap, MovingBoneAndPointsTogetherTurnsNormalsAndNothingElse) {
   }
 }
 
-TEST_P(MeasureGap, DerivativesAreThoseOfTheGapInThePatientsFrame) {
+TEST_P(MeasureGap, DerivativesAreThoseOfTheGap) {
   const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
-  if (!sphere.distance_query_B->has_exact_derivatives()) GTEST_SKIP() << "claims no derivatives";
-  constexpr double kStep = 1e-6;  // No point lies so near to the face of a cell.
+  if (!sphere.distance_query_B->has_exact_derivatives()) GTEST_SKIP() << "no exact derivatives";
+  constexpr double kStep = 1e-6;  // No point is closer to the face of a cell.
   int compared = 0;
   for (const Vec3& p : random_points(300, 3)) {
     const Vec3 p_L = sphere.X_LB * p;
@@ -117,7 +117,7 @@ TEST_P(MeasureGap, DerivativesAreThoseOfTheGapInThePatientsFrame) {
   EXPECT_GT(compared, 30);
 }
 
-TEST_P(MeasureGap, TheSecondDerivativeIsLeftOutWhereItIsNotRequested) {
+TEST_P(MeasureGap, TheHessianIsZeroWhereItIsNotComputed) {
   const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
   const Vec3 p_L = sphere.X_LB * Vec3(5.0, 5.0, 6.8);
   const Gap full = measure_gap(sphere, p_L);
@@ -128,7 +128,7 @@ TEST_P(MeasureGap, TheSecondDerivativeIsLeftOutWhereItIsNotRequested) {
   EXPECT_EQ(first.hessian_L, Mat3::Zero());
 }
 
-TEST_P(MeasureGap, ManyPointsInParallelGetTheBitsOfEachAlone) {
+TEST_P(MeasureGap, ManyPointsGiveTheSameBitsAsSinglePoints) {
   const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
   std::vector<Vec3> p_L = random_points(3000, 4);
   for (Vec3& p : p_L) p = sphere.X_LB * p;
@@ -143,7 +143,7 @@ TEST_P(MeasureGap, ManyPointsInParallelGetTheBitsOfEachAlone) {
   }
 }
 
-TEST_P(MeasureGap, DepthsOfAllDetectorsAreTheSame) {
+TEST_P(MeasureGap, AllMethodsMeasureTheSameGap) {
   const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
   const RigidObstacle exact{sphere_by(DetectionMethod::kBvh), some_pose()};
   for (const Vec3& p : random_points(2000, 5)) {
@@ -155,7 +155,7 @@ TEST_P(MeasureGap, DepthsOfAllDetectorsAreTheSame) {
   }
 }
 
-TEST_P(MeasureGap, WhatIsNoPointAndWhatAnOpenSurfaceHidesIsUnknown) {
+TEST_P(MeasureGap, NonFinitePointsAndPointsFarFromAnOpenSurfaceAreUnknown) {
   const RigidObstacle sphere{sphere_by(GetParam())};
   EXPECT_TRUE(sphere.distance_query_B->is_closed());
   EXPECT_EQ(measure_gap(sphere, Vec3(0.0, std::nan(""), 0.0)).zone, Zone::kUnknown);
@@ -164,7 +164,7 @@ TEST_P(MeasureGap, WhatIsNoPointAndWhatAnOpenSurfaceHidesIsUnknown) {
   EXPECT_EQ(measure_gap(sheet, Vec3(0.0, 0.0, 9.0)).zone, Zone::kUnknown);
 }
 
-TEST(DetectByBvh, TheNormalBeforeAnEdgeIsTheFeaturesAndDoesNotTurn) {
+TEST(BvhDistanceQuery, TheNormalAtAnEdgeIsThePseudonormalOfTheEdge) {
   const RigidObstacle box{
       detect(test::make_box(Vec3::Constant(-5.0), Vec3::Constant(5.0)), DetectionMethod::kBvh)};
   const Vec3 diagonal = Vec3(1.0, 1.0, 0.0).normalized();
@@ -174,7 +174,7 @@ TEST(DetectByBvh, TheNormalBeforeAnEdgeIsTheFeaturesAndDoesNotTurn) {
   EXPECT_NEAR(measure_gap(box, {6.0, 6.0, 1.0}).gap_mm, std::sqrt(2.0), 1e-12);
 }
 
-TEST(DetectByField, TheSmoothReadingNeedsASmoothField) {
+TEST(FieldDistanceQuery, SmoothInterpolationRequiresASmoothField) {
   const auto rough = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(3.0, 2), {.resolution = 16}).value());
   EXPECT_TRUE(field_distance_query(rough, DetectionMethod::kTrilinear));

@@ -10,7 +10,7 @@ namespace {
 constexpr double kStiffness = 0.05;
 constexpr double kRadius_mm = 8.0;
 
-/// A ball at the origin: its gap and derivatives are known.
+/// A ball at the origin, with exact gap and derivatives.
 PenaltyResponse against_ball(const Vec3& p) {
   const double r = p.norm();
   const Vec3 n = p / r;
@@ -28,7 +28,7 @@ TEST(Penalty, PushesTissueOutOfTheBone) {
   EXPECT_EQ(traction.y(), 0.0);
 }
 
-TEST(Penalty, NothingPushesOutsideOrOnTheSurface) {
+TEST(Penalty, NoForceOutsideOrOnTheSurface) {
   EXPECT_EQ(against_ball({8.0, 0.0, 0.0}).gradient_mpa, Vec3::Zero());
   EXPECT_EQ(against_ball({9.0, 1.0, 0.0}).energy_mj_per_mm2, 0.0);
   EXPECT_EQ(penalty_response(std::nan(""), Vec3::UnitX(), Mat3::Zero(), {1.0}).energy_mj_per_mm2,
@@ -51,10 +51,10 @@ TEST(Penalty, GradientAndHessianAreThoseOfTheEnergy) {
   }
 }
 
-/// A gap with given second derivatives, out of the bone along x.
+/// Hessian of a gap whose gradient is along x.
 Mat3 curved(double xx, double yy, double zz) { return Vec3(xx, yy, zz).asDiagonal(); }
 
-TEST(Penalty, ConvexHessianLeavesOutWhereTissueWantsToSlideOffABulge) {
+TEST(Penalty, PsdProjectedHessianOmitsTheNegativePartOnConvexBone) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 bulge = curved(0.0, 0.5, 0.25);
   EXPECT_LT(penalty_response(1.0, n, bulge, {kStiffness}).hessian_mpa_per_mm(1, 1), 0.0);
@@ -64,7 +64,7 @@ TEST(Penalty, ConvexHessianLeavesOutWhereTissueWantsToSlideOffABulge) {
       1e-15);
 }
 
-TEST(Penalty, ConvexHessianIsExactWhereTheBoneIsHollow) {
+TEST(Penalty, PsdProjectedHessianIsExactOnConcaveBone) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 hollow = curved(0.0, -0.5, -0.25);
   EXPECT_LT((psd_projected_hessian(1.0, n, hollow, {kStiffness}) -

@@ -10,8 +10,7 @@
 namespace lefort::contact::test_project_contact_to_bone {
 namespace {
 
-/// Tissue above a sheet of bone that looks up: two triangles, counter-clockwise seen from below,
-/// where the bone is.
+/// Tissue above a sheet of bone: two triangles, counter-clockwise seen from below.
 struct Above {
   std::vector<Vec3> x_L;
   std::vector<mesh::Face> faces{{mesh::FaceShape::kTri3, {0, 2, 1}},
@@ -33,7 +32,7 @@ struct Above {
   }
 };
 
-TEST(LoadOnBone, IsLinearBetweenTheTissuesNodes) {
+TEST(ProjectContactToBone, IsLinearBetweenTheNodesOfTheTissue) {
   const geometry::TriangleMesh bone_L = test::make_sheet(16.0, 8);
   const Above tissue(-0.05);  // A little inside.
   const BoneContactFields load =
@@ -46,8 +45,9 @@ TEST(LoadOnBone, IsLinearBetweenTheTissuesNodes) {
   }
 }
 
-TEST(LoadOnBone, EndsWhereTissueIsFarOrBehind) {
-  const geometry::TriangleMesh wide_L = test::make_sheet(60.0, 29);  // None on the rim.
+TEST(ProjectContactToBone, IsZeroWhereTissueIsFarOrOnTheOtherSide) {
+  const geometry::TriangleMesh wide_L =
+      test::make_sheet(60.0, 29);  // No vertex on the boundary of the tissue.
   const Above tissue(0.3);
   const BoneContactFields load =
       project_contact_to_bone(wide_L, tissue.x_L, tissue.faces, tissue.at_nodes, 0.5);
@@ -63,14 +63,14 @@ TEST(LoadOnBone, EndsWhereTissueIsFarOrBehind) {
   };
   EXPECT_EQ(sum(project_contact_to_bone(wide_L, tissue.x_L, tissue.faces, tissue.at_nodes, 0.2)),
             0.0);
-  // The same tissue on the bone's other side looks away from it.
-  std::vector<mesh::Face> turned = tissue.faces;
-  for (mesh::Face& face : turned) std::swap(face.nodes[1], face.nodes[2]);
-  EXPECT_EQ(sum(project_contact_to_bone(wide_L, tissue.x_L, turned, tissue.at_nodes, 0.5)), 0.0);
+  // On the other side of the bone the same tissue faces away from it.
+  std::vector<mesh::Face> reversed = tissue.faces;
+  for (mesh::Face& face : reversed) std::swap(face.nodes[1], face.nodes[2]);
+  EXPECT_EQ(sum(project_contact_to_bone(wide_L, tissue.x_L, reversed, tissue.at_nodes, 0.5)), 0.0);
   EXPECT_EQ(sum(project_contact_to_bone(wide_L, tissue.x_L, {}, {}, 0.5)), 0.0);
 }
 
-TEST(LoadOnBone, SameBitsForAnyNumberOfThreads) {
+TEST(ProjectContactToBone, SameBitsForAnyNumberOfThreads) {
   const geometry::TriangleMesh bone_L = test::make_sheet(16.0, 40);
   const Above tissue(-0.05);
   const auto with_threads = [&](int threads) {

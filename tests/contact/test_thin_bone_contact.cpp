@@ -5,19 +5,19 @@
 namespace lefort::contact::test_thin_bone_contact {
 namespace {
 
-/// Sides are told from what was measured alone: no bone is asked.
+/// The functions use the pose alone; no distance query is needed.
 const RigidObstacle kBone{};
 
 Gap gap(double gap_mm, const Vec3& gradient) {
   return {.zone = field::Zone::kBand, .gap_mm = gap_mm, .gradient_L = gradient};
 }
 
-/// From 0.2 mm above a bone whose upper side is z = 0.
+/// Reference of a point 0.2 mm above a bone with its upper face at z = 0.
 ContactReference from_above() {
   return contact_reference(kBone, {0.0, 0.0, 0.2}, gap(0.2, Vec3::UnitZ()));
 }
 
-TEST(BoneSide, TheWallIsThePlaneThatTouchedTheBone) {
+TEST(ThinBoneContact, TheTangentPlaneTouchesTheBoneAtTheReferencePoint) {
   const ContactReference reference = from_above();
   EXPECT_EQ(reference.foot_B, Vec3::Zero());
   const Gap tangent_plane = gap_to_tangent_plane(kBone, {3.0, 0.0, -1.5}, reference);
@@ -26,7 +26,7 @@ TEST(BoneSide, TheWallIsThePlaneThatTouchedTheBone) {
   EXPECT_EQ(tangent_plane.hessian_L, Mat3::Zero());
 }
 
-TEST(BoneSide, TheWallMovesWithTheBone) {
+TEST(ThinBoneContact, TheTangentPlaneMovesWithTheBone) {
   RigidObstacle bone;
   bone.X_LB = Eigen::Translation3d(1.0, 2.0, 3.0) * Eigen::AngleAxisd(0.7, Vec3(1, 2, 2) / 3.0);
   const Vec3 p_B(0.4, -0.3, -0.6);
@@ -37,7 +37,7 @@ TEST(BoneSide, TheWallMovesWithTheBone) {
   EXPECT_LT((tangent_plane.gradient_L - bone.X_LB.linear() * Vec3::UnitZ()).norm(), 1e-12);
 }
 
-TEST(BoneSide, PastTheMiddleOfAPlateTheFarSideIsNearer) {
+TEST(ThinBoneContact, CrossesTheMedialSurfaceOfAPlate) {
   // 2 mm thick.
   EXPECT_FALSE(
       has_crossed_medial_surface(kBone, {0, 0, -0.9}, gap(-0.9, Vec3::UnitZ()), from_above()));
@@ -45,25 +45,32 @@ TEST(BoneSide, PastTheMiddleOfAPlateTheFarSideIsNearer) {
       has_crossed_medial_surface(kBone, {0, 0, -1.1}, gap(-0.9, -Vec3::UnitZ()), from_above()));
 }
 
-TEST(BoneSide, InARidgeTheFlanksAreNearerThanTheTip) {
+TEST(ThinBoneContact, CrossesTheMedialSurfaceOfARidge) {
   EXPECT_TRUE(
       has_crossed_medial_surface(kBone, {0.1, 0, -1.0}, gap(-0.4, Vec3::UnitX()), from_above()));
 }
 
-TEST(BoneSide, InACornerAnotherWallMayTakeOver) {
-  // On the floor z = 0 the point has come into a wall that looks along -x.
+TEST(ThinBoneContact, AConcaveCornerHasNoMedialSurface) {
+  // The point on the floor z = 0 has entered a wall with normal -x.
   EXPECT_FALSE(
       has_crossed_medial_surface(kBone, {0.3, 0, 0.1}, gap(-0.3, -Vec3::UnitX()), from_above()));
   EXPECT_FALSE(
       has_crossed_medial_surface(kBone, {0.3, 0, -0.1}, gap(-0.3, -Vec3::UnitX()), from_above()));
 }
 
-TEST(BoneSide, OffTheBoneNormalsTurnFreely) {
+TEST(ThinBoneContact, TheFarSideDiffersByMoreThan120DegreesInsideTheBone) {
+  EXPECT_TRUE(is_at_far_side(kBone, gap(-0.1, -Vec3::UnitZ()), from_above()));
+  EXPECT_TRUE(is_at_far_side(kBone, gap(-0.1, Vec3(0, 0.8, -0.6)), from_above()));
+  EXPECT_FALSE(is_at_far_side(kBone, gap(-0.1, Vec3(0, 0.9, -0.43)), from_above()));
+  EXPECT_FALSE(is_at_far_side(kBone, gap(0.1, -Vec3::UnitZ()), from_above()));
+}
+
+TEST(ThinBoneContact, OutsideTheBoneNothingIsCrossed) {
   EXPECT_FALSE(
       has_crossed_medial_surface(kBone, {9, 0, -1.0}, gap(0.1, Vec3::UnitX()), from_above()));
 }
 
-TEST(BoneSide, APointFromBeyondTheBandHasNoSide) {
+TEST(ThinBoneContact, APointFromBeyondTheBandHasNoTangentPlane) {
   const ContactReference far =
       contact_reference(kBone, {0, 0, 9}, {.zone = field::Zone::kOutside, .gap_mm = 5.0});
   EXPECT_FALSE(far.has_tangent_plane());
@@ -71,12 +78,12 @@ TEST(BoneSide, APointFromBeyondTheBandHasNoSide) {
   EXPECT_FALSE(has_crossed_medial_surface(kBone, {0, 0, -1.1}, gap(-0.9, -Vec3::UnitZ()), far));
 }
 
-TEST(BoneSide, ASideIsSeenAgainWhereTheNearestSurfaceLooksAsItDid) {
+TEST(ThinBoneContact, ReturnsWhereTheClosestNormalIsTheReferenceNormal) {
   EXPECT_TRUE(has_returned(kBone, {0, 0, -0.5}, gap(-0.5, Vec3(0, 0.6, 0.8)), from_above()));
   EXPECT_FALSE(has_returned(kBone, {0, 0, -0.9}, gap(-0.5, Vec3(0, 0.8, 0.6)), from_above()));
 }
 
-TEST(BoneSide, APointThatSlidOffAnEdgeSeesItsSideButNotOnePushedThrough) {
+TEST(ThinBoneContact, APointThatSlidOffAnEdgeHasReturnedButNotOnePushedThrough) {
   EXPECT_TRUE(has_returned(kBone, {1.1, 0, -0.5}, gap(0.1, Vec3::UnitX()), from_above()));
   EXPECT_FALSE(has_returned(kBone, {0, 0, -2.1}, gap(0.1, -Vec3::UnitZ()), from_above()));
 }

@@ -1,5 +1,5 @@
 /// \file
-/// A mesh, its element terms and an assembler over them, kept alive together.
+/// A mesh with its element terms and their assembler.
 #pragma once
 
 #include <lefort/fem/assembly/assemble.h>
@@ -16,7 +16,7 @@
 
 namespace lefort::test {
 
-/// Terms do not move in memory once made, so a Body may.
+/// May be moved: the terms stay where they are in memory.
 struct Body {
   mesh::VolumeMesh mesh;
   std::vector<fem::PrescribedDisplacement> prescribed;
@@ -50,19 +50,19 @@ struct Body {
   }
 };
 
-/// Names the cases of a test that runs for several shapes.
+/// Names of the cases of a test of several shapes.
 [[nodiscard]] inline std::string shape_name(
     const testing::TestParamInfo<mesh::ElementShape>& shape) {
   return std::string(mesh::name_of(shape.param));
 }
 
-/// For tests that run for all of them.
+/// All element shapes.
 inline constexpr mesh::ElementShape kAllElements[] = {
     mesh::ElementShape::kTet4, mesh::ElementShape::kPyramid5, mesh::ElementShape::kWedge6,
     mesh::ElementShape::kHex8, mesh::ElementShape::kTet10,    mesh::ElementShape::kWedge15,
     mesh::ElementShape::kHex20};
 
-/// Displacements u = A X + b of all nodes, 3 per node.
+/// \returns the displacements u = A X + b of all nodes, 3 per node.
 [[nodiscard]] inline VectorX affine(const mesh::VolumeMesh& mesh, const Mat3& A, const Vec3& b) {
   VectorX u(3 * mesh.node_count());
   for (Index n = 0; n < mesh.node_count(); ++n)
@@ -70,7 +70,7 @@ inline constexpr mesh::ElementShape kAllElements[] = {
   return u;
 }
 
-/// Prescribes for `nodes` what `u` [3 per node] says.
+/// Prescribes the displacements `u` [3 per node] of `nodes`.
 [[nodiscard]] inline std::vector<fem::PrescribedDisplacement> prescribe(
     const std::vector<std::int32_t>& nodes, const VectorX& u) {
   std::vector<fem::PrescribedDisplacement> prescribed;

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers that carry their first and second derivatives: exact differentiation of any formula.
+/// Numbers with first and second derivatives (automatic differentiation).
 #pragma once
 
 #include <lefort/fem/deformation.h>
@@ -8,7 +8,8 @@
 
 namespace lefort::test {
 
-/// A value with its gradient and Hessian in nine variables, the entries of F as flatten() has them.
+/// A value with its gradient and Hessian in nine variables: the entries of F in the order of
+/// flatten().
 struct Jet {
   Jet() = default;
   explicit Jet(double constant) : value(constant) {}
@@ -18,7 +19,7 @@ struct Jet {
   fem::Mat9 hessian = fem::Mat9::Zero();
 };
 
-/// f(x), given f, f' and f'' at x.value.
+/// \returns f(x), given f, f' and f'' at x.value.
 inline Jet chain(const Jet& x, double f, double df, double ddf) {
   Jet y(f);
   y.gradient = df * x.gradient;

@@ -1,5 +1,5 @@
 /// \file
-/// One example of every law, and what is known of it: what the tests of all laws run through.
+/// One example of every law with its known properties, for the tests of all laws.
 #pragma once
 
 #include <lefort/fem/materials/material.h>
@@ -14,8 +14,8 @@
 namespace lefort::test {
 
 /// For each law: law(), an example whose constants all differ; small_strain_energy(law, eps), to
-/// second order in the symmetric eps; symmetry(law, random), a rotation at rest that the law does
-/// not see.
+/// second order in the symmetric eps; symmetry(law, random), a rotation of the reference
+/// configuration that does not change the energy.
 template <class Law>
 struct Example;
 
@@ -40,7 +40,7 @@ struct Example<fem::LinearElastic> : LameExample<fem::LinearElastic> {};
 template <>
 struct Example<fem::StVenantKirchhoff> : LameExample<fem::StVenantKirchhoff> {};
 
-/// An isotropic shear part.
+/// An isotropic isochoric law.
 template <class Law>
 struct IsochoricExample {
   static double small_strain_energy(const Law& law, const Mat3& eps) {
@@ -134,9 +134,10 @@ struct Example<fem::DecoupledLaw<Shear>> {
   }
 };
 
-/// Every shear part.
-using ShearLaws = testing::Types<fem::IsochoricNeoHookean, fem::MooneyRivlin, fem::Yeoh, fem::Ogden,
-                                 fem::FungOrthotropic, fem::HolzapfelGasserOgden>;
+/// Every isochoric law.
+using IsochoricExamples =
+    testing::Types<fem::IsochoricNeoHookean, fem::MooneyRivlin, fem::Yeoh, fem::Ogden,
+                   fem::FungOrthotropic, fem::HolzapfelGasserOgden>;
 
 /// Every law of the variant Material.
 template <class Variant>

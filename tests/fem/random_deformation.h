@@ -34,8 +34,8 @@ class RandomDeformation {
   /// From 1/2 to 2.
   double stretch() { return std::exp2(number()); }
 
-  /// Kinds that are each hard on some law, in turn: three unlike stretches, turned; next to nothing;
-  /// stretches that differ by next to nothing; two or three alike, along the axes.
+  /// Cases that are each difficult for some law, in turn: three different stretches, rotated;
+  /// almost no strain; almost equal stretches; two or three equal ones, along the axes.
   Mat3 kind(int n) {
     const double s = stretch();
     switch (n % 4) {
@@ -53,7 +53,7 @@ class RandomDeformation {
     }
   }
 
-  /// I + up to 0.6 per entry, turned; 0.2 <= det <= 5, so that differences stay accurate.
+  /// I + up to 0.6 per entry, rotated; 0.2 <= det <= 5, so that differences are accurate.
   Mat3 gradient() {
     for (;;) {
       const Mat3 F = rotation() * (Mat3::Identity() + 0.6 * matrix());

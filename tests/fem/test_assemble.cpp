@@ -18,7 +18,7 @@ using test::box_mesh;
 
 constexpr NeoHookean kLaw{.mu_mpa = 0.5, .lambda_mpa = 2.0};
 
-/// Springs W = k/2 |x_b - x_a|^2 between given pairs; the nodes need not share an element.
+/// Springs W = k/2 |x_b - x_a|^2 between given pairs of nodes, of one element or not.
 class Springs final : public ForceTerm {
  public:
   explicit Springs(std::vector<std::array<std::int32_t, 2>> pairs) : pairs_(std::move(pairs)) {}
@@ -44,7 +44,7 @@ class Springs final : public ForceTerm {
 };
 
 /// A distorted, deformed box with some components prescribed and springs across it: 3,072 elements,
-/// so that several chunks add to the same places.
+/// so that several chunks add to the same entries.
 class Assembly : public testing::Test {
  protected:
   static mesh::VolumeMesh make_mesh() {
@@ -67,7 +67,7 @@ class Assembly : public testing::Test {
   test::Body body_{make_mesh(), {{0, kLaw}}, conditions(make_mesh()), {&springs_}};
 };
 
-/// What assembly should give, by dense sums over items in plain loops.
+/// Reference results: dense sums over items in plain loops.
 struct DenseSums {
   double energy_mj = 0.0;
   VectorX residual_n;
@@ -190,13 +190,14 @@ TEST_F(Assembly, PatternIsLowerSortedAndTheSameEverywhere) {
       EXPECT_EQ(a.row(), b.row());
       previous = a.row();
     }
-    EXPECT_EQ(linear::SparseMatrix::InnerIterator(at_rest, j).row(), j);  // The diagonal is there.
+    EXPECT_EQ(linear::SparseMatrix::InnerIterator(at_rest, j).row(),
+              j);  // The first entry is the diagonal.
   }
 }
 
-TEST_F(Assembly, OneElementInsideOutOrNotFiniteMakesTheStateInadmissible) {
+TEST_F(Assembly, OneInvertedOrNonFiniteElementMakesTheStateInadmissible) {
   VectorX u = body_.at_rest();
-  u[3 * 364] = 3.0;  // Past its neighbors.
+  u[3 * 364] = 3.0;  // Beyond its neighbors.
   EXPECT_FALSE(body_.assembler.forces(u).has_value());
   u[3 * 364] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(body_.assembler.forces(u).has_value());
@@ -205,8 +206,8 @@ TEST_F(Assembly, OneElementInsideOutOrNotFiniteMakesTheStateInadmissible) {
   EXPECT_THROW((void)body_.assembler.tangent(u), LogicError);
 }
 
-TEST_F(Assembly, ForceScaleMeasuresWhatCancels) {
-  // Under a uniform stretch all inner forces cancel; their magnitudes do not.
+TEST_F(Assembly, TheResidualReferenceIsTheSizeOfTheForcesThatCancel) {
+  // Under a uniform stretch all interior forces cancel; their magnitudes do not.
   const test::Body body(make_mesh(), {{0, kLaw}},
                         prescribe_zero(make_mesh().node_sets.at("outside")));
   const auto forces =
@@ -217,7 +218,7 @@ TEST_F(Assembly, ForceScaleMeasuresWhatCancels) {
   EXPECT_NEAR(body.assembler.forces(body.at_rest())->residual_reference_n, 0.0, 1e-12);
 }
 
-TEST(Assembler, NodesOfNoItemStillHaveADiagonal) {
+TEST(Assembler, NodesWithoutItemsHaveADiagonal) {
   const Assembler assembler(std::vector<Vec3>(2, Vec3::Zero()), DofMap::build(2, {}).value(), {});
   const linear::SparseMatrix K = assembler.tangent(VectorX::Zero(6));
   EXPECT_EQ(K.rows(), 6);
@@ -225,7 +226,7 @@ TEST(Assembler, NodesOfNoItemStillHaveADiagonal) {
   EXPECT_EQ(assembler.forces(VectorX::Zero(6))->residual_n.norm(), 0.0);
 }
 
-TEST(Assembler, AnItemThatNamesANodeTwiceOrNoneThatExistsIsABug) {
+TEST(Assembler, AnItemWithADuplicateOrMissingNodeIsALogicError) {
   const auto assemble = [](std::array<std::int32_t, 2> pair) {
     const Springs springs({pair});
     const Assembler assembler(std::vector<Vec3>(2, Vec3::Zero()), DofMap::build(2, {}).value(),

@@ -7,7 +7,7 @@
 namespace lefort::fem::test_boundary_conditions {
 namespace {
 
-TEST(BoundaryConditions, FixHoldsAllThreeComponents) {
+TEST(BoundaryConditions, PrescribeZeroPrescribesAllThreeComponents) {
   const std::vector<std::int32_t> nodes{4, 9};
   const auto prescribed = prescribe_zero(nodes);
   ASSERT_EQ(prescribed.size(), 6U);
@@ -18,7 +18,7 @@ TEST(BoundaryConditions, FixHoldsAllThreeComponents) {
   }
 }
 
-TEST(BoundaryConditions, MoveRigidlyBringsNodesWhereTheBodyGoes) {
+TEST(BoundaryConditions, PrescribeRigidMotionMovesNodesWithTheBody) {
   const std::vector<Vec3> nodes_L{{9, 9, 9}, {1, 0, 0}};
   RigidTransform motion_LL = RigidTransform::Identity();
   motion_LL.translate(Vec3(0, 0, 5)).rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));

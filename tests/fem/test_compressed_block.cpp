@@ -1,4 +1,4 @@
-/// A nearly incompressible block pressed between two plates it sticks to: its sides bulge.
+/// A nearly incompressible block compressed between two bonded plates: its sides bulge.
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/loads/follower_pressure.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using mesh::ElementShape;
 
-/// An eighth of a cube of 2 mm, flattened by a fifth; mu = 1 MPa, nu = 0.499.
+/// An eighth of a cube of 2 mm, compressed by 20 %; mu = 1 MPa, nu = 0.499.
 class Block {
  public:
   Block(ElementShape shape, int cells, VolumetricIntegration volumetric_integration)
@@ -24,7 +24,7 @@ class Block {
     EXPECT_TRUE(outcome_.converged()) << outcome_.reason;
   }
 
-  /// With which the plate presses on this eighth [N].
+  /// \returns the force of the plate on this eighth [N].
   [[nodiscard]] double force_n() const {
     const VectorX residual_n = body_.assembler.forces(outcome_.x)->residual_n;
     double sum = 0.0;
@@ -33,14 +33,14 @@ class Block {
     return sum;
   }
 
-  /// How far the middle of a side comes out [mm].
+  /// \returns the bulge of the middle of a side [mm].
   [[nodiscard]] double bulge_mm() const {
     for (Index n = 0; n < body_.mesh.node_count(); ++n)
       if (body_.mesh.nodes_L[std::size_t(n)] == Vec3(1, 0, 0)) return outcome_.x[3 * n];
     return std::nan("");
   }
 
-  /// By which the volume has grown [mm^3]: what a pressure of 1 MPa all round resists.
+  /// \returns the increase of the volume [mm^3].
   [[nodiscard]] double growth_mm3() const {
     const auto all_round =
         FollowerPressure::build(body_.mesh.nodes_L, body_.mesh.face_sets.at("boundary")).value();
@@ -76,18 +76,17 @@ class Block {
   NewtonOutcome outcome_;
 };
 
-/// Of finer regular meshes: tet10 and wedge15 come to 0.912 and 0.916 N on 4 cells a side here,
-/// hex8 to
-/// 0.9541, 0.9371 and 0.9263 N on 4, 8 and 16. Cells graded towards the plates' edges show the
-/// limit to lie half a percent lower (docs/theory/locking.md).
+/// Reference values are from finer regular meshes: tet10 and wedge15 give 0.912 and 0.916 N on 4
+/// cells per side, hex8 0.9541, 0.9371 and 0.9263 N on 4, 8 and 16. Meshes graded towards the edges
+/// of the plates show a limit half a percent lower (docs/locking.md).
 constexpr double kForce_n = 0.9075;
 constexpr double kBulge_mm = 0.1534;
 
 struct Expected {
   ElementShape shape;
-  double force_error;  ///< At most, as a share.
+  double force_error;  ///< Max, relative.
   double bulge_error;
-  double pointwise_excess;  ///< Of the force without remedy, at least.
+  double pointwise_excess;  ///< Min excess of the force with full integration, relative.
 };
 
 class CompressedBlock : public testing::TestWithParam<Expected> {};
@@ -103,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, CompressedBlock,
                            return std::string(mesh::name_of(shape.param.shape));
                          });
 
-TEST_P(CompressedBlock, BulgesAndResistsAsFinerMeshesDoAndKeepsItsVolume) {
+TEST_P(CompressedBlock, ForceAndBulgeAreThoseOfFinerMeshesAndVolumeIsKept) {
   const auto& [shape, force_error, bulge_error, pointwise_excess] = GetParam();
   const Block block(shape, 4, VolumetricIntegration::kMeanDilatation);
   EXPECT_NEAR(block.force_n(), kForce_n, force_error * kForce_n);

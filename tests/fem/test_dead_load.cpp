@@ -15,7 +15,7 @@ using test::box_mesh;
 
 const Vec3 kSize_mm(3, 2, 4);
 
-/// A distorted box of that size.
+/// A distorted box of the given size.
 mesh::VolumeMesh box_of(ElementShape shape) {
   return box_mesh({.cells = {2, 3, 2}, .size_mm = kSize_mm, .distortion = 0.15, .shape = shape});
 }
@@ -26,7 +26,7 @@ Vec3 resultant(const std::vector<NodalForce>& forces) {
   return sum;
 }
 
-/// The sum of x (x) f: what the forces do in a linear field.
+/// \returns the sum of x (x) f: the work of the forces in a linear field.
 Mat3 first_moment(const mesh::VolumeMesh& mesh, const std::vector<NodalForce>& forces) {
   Mat3 sum = Mat3::Zero();
   for (const NodalForce& force : forces)
@@ -38,7 +38,7 @@ class DeadLoads : public testing::TestWithParam<ElementShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, DeadLoads, testing::ValuesIn(test::kAllElements),
                          test::shape_name);
 
-TEST_P(DeadLoads, ATractionDoesTheWorkOfItsIntegralInALinearField) {
+TEST_P(DeadLoads, NodalForcesOfATractionDoItsWorkInALinearField) {
   const auto mesh = box_of(GetParam());
   const Vec3 t(0.3, -0.2, 0.7);
   const auto forces = traction_forces(mesh.nodes_L, mesh.face_sets.at("x1"), t).value();
@@ -50,7 +50,7 @@ TEST_P(DeadLoads, ATractionDoesTheWorkOfItsIntegralInALinearField) {
     EXPECT_EQ(mesh.nodes_L[std::size_t(force.node)].x(), kSize_mm[0]);
 }
 
-TEST_P(DeadLoads, ABodyForceDoesTheWorkOfItsIntegralInALinearField) {
+TEST_P(DeadLoads, NodalForcesOfABodyForceDoItsWorkInALinearField) {
   const auto mesh = box_of(GetParam());
   const Vec3 b(0.1, 0.5, -0.4);
   const auto forces = body_forces(mesh, {{0, b}}).value();
@@ -59,7 +59,7 @@ TEST_P(DeadLoads, ABodyForceDoesTheWorkOfItsIntegralInALinearField) {
   EXPECT_LT((first_moment(mesh, forces) - 0.5 * volume * kSize_mm * b.transpose()).norm(), 1e-12);
 }
 
-TEST_P(DeadLoads, AHangingBarStretchesUnderItsWeightAsInTheTextbook) {
+TEST_P(DeadLoads, AHangingBarStretchesUnderItsWeightAsInTheClosedForm) {
   // Without lateral strain, du/dz = rho g (L - z) / E: the end sinks by rho g L^2 / (2 E).
   const double E = 2.0, L = 4.0, weight = 1e-4;
   auto mesh = box_mesh({.cells = {1, 1, 4}, .size_mm = {1, 1, L}, .shape = GetParam()});
@@ -76,7 +76,7 @@ TEST_P(DeadLoads, AHangingBarStretchesUnderItsWeightAsInTheTextbook) {
   EXPECT_NEAR(sum_mm / double(end.size()), expected_mm, 2e-3 * expected_mm);
 }
 
-TEST(DeadLoad, ItsForcesKeepTheirDirectionAndGrowWithTheFactor) {
+TEST(DeadLoad, ForcesAreConstantTimesTheFactor) {
   const std::vector<Vec3> nodes_L{Vec3(1, 2, 3), Vec3(4, 5, 6)};
   const Vec3 f(0.5, -1.0, 2.0);
   DeadLoad load(nodes_L, std::vector<NodalForce>{{.node = 1, .force_n = f}});
@@ -92,7 +92,7 @@ TEST(DeadLoad, ItsForcesKeepTheirDirectionAndGrowWithTheFactor) {
   EXPECT_EQ(residual, 3.0 * f);
 }
 
-TEST(DeadLoad, RegionsThatAreNotNamedBearNothing) {
+TEST(DeadLoad, RegionsThatAreNotListedHaveNoBodyForce) {
   auto mesh = box_mesh({.cells = {2, 1, 1}, .shape = ElementShape::kHex8});
   mesh.blocks[0].region = {4, 7};
   const auto forces = body_forces(mesh, {{7, Vec3(0, 0, 2)}}).value();
@@ -100,7 +100,7 @@ TEST(DeadLoad, RegionsThatAreNotNamedBearNothing) {
   EXPECT_NEAR(resultant(forces).z(), 1.0, 1e-15);
 }
 
-TEST(DeadLoad, RefusesWhatItCannotSpread) {
+TEST(DeadLoad, RejectsInvalidFacesAndRegions) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = ElementShape::kHex8});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto message = [](const auto& result, ErrorCode code) {
@@ -118,9 +118,9 @@ TEST(DeadLoad, RefusesWhatItCannotSpread) {
   EXPECT_NE(message(traction_forces(mesh.nodes_L, faces, Vec3::UnitX()), ErrorCode::kMeshInvalid)
                 .find("twice, its nodes must differ"),
             std::string::npos);
-  auto torn = mesh.nodes_L;
-  torn[std::size_t(mesh.face_sets.at("x1")[0].nodes[1])].y() = nan;
-  EXPECT_EQ(traction_forces(torn, mesh.face_sets.at("x1"), Vec3::UnitX()).error().code,
+  auto with_nan = mesh.nodes_L;
+  with_nan[std::size_t(mesh.face_sets.at("x1")[0].nodes[1])].y() = nan;
+  EXPECT_EQ(traction_forces(with_nan, mesh.face_sets.at("x1"), Vec3::UnitX()).error().code,
             ErrorCode::kMeshInvalid);
 
   EXPECT_EQ(message(body_forces(mesh, {{3, Vec3::UnitX()}}), ErrorCode::kInvalidArgument),

@@ -20,7 +20,7 @@ TEST(Deformation, ContractIsTheTraceOfTheProduct) {
   EXPECT_NEAR(contract(A, B), (A.transpose() * B).trace(), 1e-15);
 }
 
-TEST(Deformation, InvariantsDoNotSeeARotation) {
+TEST(Deformation, InvariantsDoNotChangeUnderARotation) {
   test::RandomDeformation random(2);
   const Mat3 F = random.gradient();
   const Mat3 RF = random.rotation() * F;
@@ -29,8 +29,8 @@ TEST(Deformation, InvariantsDoNotSeeARotation) {
   EXPECT_NEAR(first_invariant(F), right_cauchy_green(F).trace(), 1e-14);
 }
 
-TEST(Deformation, ASmallChangeOfVolumeKeepsItsDigits) {
-  const double h = 1.0 / 1073741824.0;  // 2^-30, so that F holds it exactly.
+TEST(Deformation, ASmallChangeOfVolumeIsAccurate) {
+  const double h = 1.0 / 1073741824.0;  // 2^-30, exact in F.
   const Mat3 F = (1.0 + h) * Mat3::Identity();
   EXPECT_NEAR(jacobian_minus_one(F), 3.0 * h + 3.0 * h * h + h * h * h, 1e-15 * h);
 }
@@ -38,12 +38,12 @@ TEST(Deformation, ASmallChangeOfVolumeKeepsItsDigits) {
 TEST(Deformation, TheCofactorIsTheDerivativeOfTheVolume) {
   test::RandomDeformation random(3);
   for (int n = 0; n < 1000; ++n) {
-    const Mat3 F = random.matrix();  // Flat and inside out ones, too.
+    const Mat3 F = random.matrix();  // Flat and inverted ones, too.
     const Mat3 dF = random.matrix();
-    // J is a cubic of the step: differences of step 1 need but its third-order term, det dF.
+    // J is cubic in the step: differences of step 1 need only the third-order term, det dF.
     const double slope = (volume_ratio(F + dF) - volume_ratio(F - dF)) / 2.0 - dF.determinant();
     EXPECT_NEAR(contract(cofactor(F), dF), slope, 1e-14);
-    const Mat3 change = (cofactor(F + dF) - cofactor(F - dF)) / 2.0;  // A quadratic: exact.
+    const Mat3 change = (cofactor(F + dF) - cofactor(F - dF)) / 2.0;  // Quadratic: exact.
     const Mat9 A = cofactor_tangent(F);
     EXPECT_LT((A * flatten(dF) - flatten(change)).norm(), 1e-14);
     EXPECT_EQ(A, A.transpose());

@@ -31,7 +31,7 @@ TEST_P(ElementStates, AreThoseOfTheUniformDeformation) {
   }
 }
 
-TEST_P(ElementStates, StretchesAreThoseOfTheBodyBeforeItWasTurned) {
+TEST_P(ElementStates, StretchesDoNotChangeUnderARotation) {
   const auto mesh = test::box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const Mat3 F = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() *
                  Vec3(0.9, 1.4, 1.1).asDiagonal();
@@ -40,7 +40,7 @@ TEST_P(ElementStates, StretchesAreThoseOfTheBodyBeforeItWasTurned) {
     EXPECT_LT((state.stretches - Vec3(1.4, 1.1, 0.9)).norm(), 1e-12);
 }
 
-TEST_P(ElementStates, AnElementInsideOutIsSeen) {
+TEST_P(ElementStates, AnInvertedElementIsReported) {
   const auto mesh = test::box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const Mat3 mirror = Vec3(-1, 1, 1).asDiagonal();
   const auto states = element_states(mesh, {{0, kSoft}},

@@ -18,7 +18,7 @@ using test::box_mesh;
 constexpr NeoHookean kSoft{.mu_mpa = 0.5, .lambda_mpa = 2.0};
 constexpr NeoHookean kStiff{.mu_mpa = 3.0, .lambda_mpa = 2.0};
 
-/// One local item evaluated: its own copy of what the assembler would see.
+/// Results of one local item.
 struct LocalResult {
   bool admissible;
   double energy_mj;
@@ -74,7 +74,7 @@ TEST_P(ElementTerms, ResidualAndStiffnessAreDerivativesOfTheEnergy) {
   }
 }
 
-TEST_P(ElementTerms, TheCheaperPathGivesTheSameEnergyAndResidual) {
+TEST_P(ElementTerms, WithoutStiffnessEnergyAndResidualAreTheSame) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const auto terms = make_element_terms(mesh, {{0, kSoft}}).value();
   const Index item = terms[0]->item_count() - 1;
@@ -115,7 +115,7 @@ TEST_P(ElementTerms, ARigidMotionCausesNoForce) {
   }
 }
 
-TEST_P(ElementTerms, AnElementInsideOutIsNotAdmissible) {
+TEST_P(ElementTerms, AnInvertedElementIsInadmissible) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const auto terms = make_element_terms(mesh, {{0, kSoft}}).value();
   std::vector<Vec3> mirrored;
@@ -137,20 +137,20 @@ TEST_P(ElementTerms, EachRegionHasItsOwnMaterial) {
   EXPECT_NEAR(forces->energy_mj, 0.5 * kSoft.energy(F) + 0.5 * kStiff.energy(F), 1e-14);
 }
 
-TEST(ElementTerm, NamesTheInvertedElementAndItsPlace) {
+TEST(ElementTerm, TheErrorNamesTheInvertedElementAndItsPosition) {
   auto mesh = box_mesh({.cells = {2, 1, 1}});
   std::swap(mesh.blocks[0].nodes[4 * 7], mesh.blocks[0].nodes[4 * 7 + 1]);
   const auto terms = make_element_terms(mesh, {{0, kSoft}});
   ASSERT_FALSE(terms.has_value());
   EXPECT_EQ(terms.error().code, ErrorCode::kElementInverted);
-  // Element 7 walks y, z, x from (1/2, 0, 0): its corners' mean is (5/8, 3/4, 1/2).
+  // Element 7 runs along y, z, x from (1/2, 0, 0): the mean of its corners is (5/8, 3/4, 1/2).
   EXPECT_EQ(terms.error().message,
-            "element 7 at (0.625, 0.750, 0.500) mm is flat or inside out, its volume must be > 0; "
+            "element 7 at (0.625, 0.750, 0.500) mm is flat or inverted, its volume must be > 0; "
             "its scaled Jacobian is -1");
 }
 
-/// A corner pushed beyond the plane of its neighbors: the integration points do not see it.
-TEST(ElementTerm, NamesTheNodeWhereAnElementFolds) {
+/// A corner beyond the plane of its neighbors: the Jacobian is positive at the quadrature points.
+TEST(ElementTerm, TheErrorNamesTheNodeWhereAnElementFolds) {
   auto mesh = box_mesh({.cells = {1, 1, 1}, .size_mm = {2, 2, 2}, .shape = ElementShape::kHex8});
   mesh.nodes_L[7] = Vec3::Constant(1.4);
   EXPECT_TRUE(make_element_terms(mesh, {{0, kSoft}}).has_value());
@@ -163,8 +163,8 @@ TEST(ElementTerm, NamesTheNodeWhereAnElementFolds) {
             "its volume must be > 0 everywhere");
 }
 
-/// Where the middle of an edge is within a quarter of its end, the edge turns back there.
-TEST(ElementTerm, RefusesAnEdgeThatTurnsBack) {
+/// If a mid-edge node is within a quarter of the edge from its end, the edge turns back there.
+TEST(ElementTerm, RejectsAnEdgeThatTurnsBack) {
   for (const ElementShape shape :
        {ElementShape::kTet10, ElementShape::kWedge15, ElementShape::kHex20}) {
     auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = shape});
@@ -190,13 +190,13 @@ TEST(ElementTerm, CountsElementsThroughTheBlocks) {
   EXPECT_EQ(terms.error().message.substr(0, 12), "element 7 at");
 }
 
-TEST(ElementTerm, RefusesAFlatElement) {
+TEST(ElementTerm, RejectsAFlatElement) {
   auto mesh = box_mesh({.cells = {1, 1, 1}});
   for (Vec3& node : mesh.nodes_L) node.z() *= 1e-15;
   EXPECT_EQ(make_element_terms(mesh, {{0, kSoft}}).error().code, ErrorCode::kElementInverted);
 }
 
-TEST(ElementTerm, RefusesAMeshThatContradictsItself) {
+TEST(ElementTerm, RejectsAnInconsistentMesh) {
   const auto good = box_mesh({.cells = {1, 1, 1}});
   const auto code_of = [](const mesh::VolumeMesh& mesh) {
     return make_element_terms(mesh, {{0, kSoft}}).error().code;
@@ -215,7 +215,7 @@ TEST(ElementTerm, RefusesAMeshThatContradictsItself) {
   EXPECT_EQ(code_of({}), ErrorCode::kMeshInvalid);
 }
 
-TEST(ElementTerm, RefusesMissingAndBadMaterials) {
+TEST(ElementTerm, RejectsMissingAndInvalidMaterials) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}});
   const auto missing = make_element_terms(mesh, {{1, kSoft}});
   ASSERT_FALSE(missing.has_value());

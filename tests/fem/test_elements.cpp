@@ -24,7 +24,7 @@ struct AnyPoint {
   MatrixXd dN_dxi;
 };
 
-/// An element or face with its types taken off, so that each test is compiled once.
+/// An element or face without its static type, so that each test is compiled once.
 struct AnyShape {
   std::string name;
   bool is_face = false;
@@ -87,7 +87,7 @@ std::vector<AnyShape> all_shapes() {
   return all;
 }
 
-/// A point inside: a mean of the nodes with random weights.
+/// \returns an interior point: a mean of the nodes with random weights.
 VectorX inner_point(const AnyShape& shape, std::mt19937& generator) {
   VectorX weights(shape.node_count());
   for (double& weight : weights) weight = 0.05 + double(generator() % 1000) / 1000.0;
@@ -95,18 +95,18 @@ VectorX inner_point(const AnyShape& shape, std::mt19937& generator) {
 }
 
 double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
-/// Of x^n over [-1, 1].
+/// \returns the integral of x^n over [-1, 1].
 double on_line(int n) { return n % 2 == 0 ? 2.0 / (n + 1) : 0.0; }
-/// Of x^i y^j over the triangle.
+/// \returns the integral of x^i y^j over the triangle.
 double on_triangle(int i, int j) { return factorial(i) * factorial(j) / factorial(i + j + 2); }
 
-/// The integral of xi^i eta^j zeta^k over the reference element.
+/// \returns the integral of xi^i eta^j zeta^k over the reference element.
 double integral(const AnyShape& shape, int i, int j, int k) {
   if (shape.is_face) return shape.corners == 3 ? on_triangle(i, j) : on_line(i) * on_line(j);
   switch (shape.corners) {
     case 4:
       return factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3);
-    case 5:  // The square's, times that of (1 - zeta)^(i + j + 2) zeta^k: a beta function.
+    case 5:  // That of the square times that of (1 - zeta)^(i + j + 2) zeta^k, a beta function.
       return on_line(i) * on_line(j) * factorial(i + j + 2) * factorial(k) /
              factorial(i + j + k + 3);
     case 6:
@@ -116,8 +116,8 @@ double integral(const AnyShape& shape, int i, int j, int k) {
   }
 }
 
-/// Which monomials a rule integrates: at most of these degrees in each coordinate, and together in
-/// the first two and in all.
+/// Max degrees of the monomials that a rule integrates: in each coordinate, in the first two
+/// together, and in all together.
 struct Exactness {
   int in_each;
   int in_first_two;
@@ -141,7 +141,7 @@ void expect_exact(const AnyShape& shape, const std::vector<AnyPoint>& points,
       }
 }
 
-TEST(Shapes, HaveAsManyNodesAsTheMeshSays) {
+TEST(Shapes, HaveTheNodeCountsOfTheMesh) {
   for (const ElementShape element : kElements)
     EXPECT_EQ(shape_of(element).node_count(), mesh::node_count(element));
   for (const auto& [face, name] : kFaces)
@@ -156,7 +156,7 @@ TEST(Shapes, FunctionsAreOneAtTheirNodeAndZeroAtTheOthers) {
     }
 }
 
-TEST(Shapes, FunctionsSumToOneAndReproduceThePlace) {
+TEST(Shapes, FunctionsSumToOneAndReproducePositions) {
   std::mt19937 generator(1);
   for (const AnyShape& shape : all_shapes())
     for (int n = 0; n < 50; ++n) {
@@ -182,7 +182,7 @@ TEST(Shapes, GradientsAreThoseOfTheFunctions) {
     }
 }
 
-TEST(Shapes, QuadraticOnesReproduceQuadraticFunctions) {
+TEST(Shapes, QuadraticShapesReproduceQuadraticFunctions) {
   std::mt19937 generator(6);
   for (const AnyShape& shape : all_shapes()) {
     if (shape.node_count() == shape.corners) continue;
@@ -195,7 +195,7 @@ TEST(Shapes, QuadraticOnesReproduceQuadraticFunctions) {
   }
 }
 
-TEST(Shapes, QuadraturePointsCarryTheFunctionsOfTheirPlace) {
+TEST(Shapes, QuadraturePointsHaveTheFunctionsAtTheirPosition) {
   for (const AnyShape& shape : all_shapes())
     for (const auto* points : {&shape.points, &shape.fine_points})
       for (const AnyPoint& point : *points) {
@@ -206,7 +206,7 @@ TEST(Shapes, QuadraturePointsCarryTheFunctionsOfTheirPlace) {
       }
 }
 
-/// What the headers promise of each rule.
+/// The degrees of exactness stated in the headers.
 TEST(Shapes, TheRuleOfTheEnergyIsExactToItsDegree) {
   const auto check = [](const auto& which, const Exactness& exact, int in_third) {
     const AnyShape shape = shape_of(which);
@@ -230,7 +230,7 @@ TEST(Shapes, TheFineRuleIsExactToDegreeSeven) {
     expect_exact(shape, shape.fine_points, {kFineDegree, kFineDegree, kFineDegree}, kFineDegree);
 }
 
-/// Whatever the shape of the pyramid: so one point along each ray is enough.
+/// For any shape of the pyramid; therefore one point along each ray is enough.
 TEST(Pyramid5, GradientsAreConstantAlongEachRayFromTheApex) {
   for (const double zeta : {0.0, 0.5, 0.999}) {
     const Vec3 xi(0.3 * (1.0 - zeta), -0.8 * (1.0 - zeta), zeta);
@@ -238,9 +238,9 @@ TEST(Pyramid5, GradientsAreConstantAlongEachRayFromTheApex) {
   }
 }
 
-/// The values on a face of the element's functions are those of the face's own: so elements of
-/// different shapes fit where their faces have the same nodes.
-TEST(Elements, FunctionsOnAFaceAreTheFacesOwn) {
+/// On a face, the functions of the element equal those of the face. So elements of different shapes
+/// are compatible if their faces have the same nodes.
+TEST(Elements, FunctionsOnAFaceAreThoseOfTheFace) {
   std::mt19937 generator(3);
   for (const ElementShape which : kElements) {
     const AnyShape element = shape_of(which);
@@ -260,8 +260,8 @@ TEST(Elements, FunctionsOnAFaceAreTheFacesOwn) {
   }
 }
 
-/// The nodes of the reference element moved, so that faces are warped and edges bent; but the rule
-/// of the tet10 is meant for straight edges.
+/// The nodes of the reference element, displaced so that faces are warped and edges curved. Edges
+/// of tet10 stay straight, as its rule requires.
 MatrixXd bent(const AnyShape& shape, unsigned seed) {
   std::mt19937 generator(seed);
   const auto number = [&] { return 0.2 * double(generator() % 1000) / 1000.0 - 0.1; };
@@ -269,7 +269,7 @@ MatrixXd bent(const AnyShape& shape, unsigned seed) {
   return shape.nodes + MatrixXd::NullaryExpr(3, shape.node_count(), number);
 }
 
-/// What the surface of an element says, integrated by the rules of its faces.
+/// Integrals over the surface of an element, by the rules of its faces.
 struct Surface {
   double flux = 0.0;         ///< Of x / 3: the volume.
   Vec3 area = Vec3::Zero();  ///< Sum of all area vectors.
@@ -298,7 +298,7 @@ Surface surface_of(ElementShape which, const MatrixXd& X) {
   return surface;
 }
 
-TEST(Elements, VolumeIsTheFluxThroughTheFacesWhichPointOut) {
+TEST(Elements, VolumeIsTheFluxThroughTheOutwardFaces) {
   for (const ElementShape which : kElements) {
     const AnyShape shape = shape_of(which);
     const MatrixXd X = bent(shape, 4);
@@ -312,9 +312,9 @@ TEST(Elements, VolumeIsTheFluxThroughTheFacesWhichPointOut) {
   }
 }
 
-/// The integral of dN_a/dX over the element is that of N_a over its faces, however these are bent:
-/// what the patch test asks of a rule.
-TEST(Elements, TheRuleIntegratesGradientsAsTheFacesSay) {
+/// The integral of dN_a/dX over the element is that of N_a over its curved faces: the condition of
+/// the patch test for a rule.
+TEST(Elements, TheRuleIntegratesGradientsLikeTheFaces) {
   for (const ElementShape which : kElements) {
     const AnyShape shape = shape_of(which);
     const MatrixXd X = bent(shape, 5);

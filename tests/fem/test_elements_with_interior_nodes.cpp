@@ -19,7 +19,7 @@ auto count_of(const mesh::VolumeMesh& mesh) {
   return std::ranges::count(flags, 1);
 }
 
-TEST(ElementsWithInteriorNodes, NothingDoesInASingleLayerAndAllDoesInTwo) {
+TEST(ElementsWithInteriorNodes, NoneInASingleLayerAndAllInTwo) {
   for (const ElementShape shape : {ElementShape::kTet10, ElementShape::kWedge15}) {
     EXPECT_EQ(count_of(test::box_mesh({.cells = {4, 4, 1}, .shape = shape})), 0);
     const auto two = test::box_mesh({.cells = {4, 4, 2}, .shape = shape});
@@ -47,7 +47,7 @@ TEST(ElementsWithInteriorNodes, AThinPartOfAThickBodyIsALayer) {
   const std::vector<char> flags = elements_with_interior_nodes(body);
   ASSERT_EQ(flags.size(), at_x_mm.size());
   for (std::size_t e = 0; e < flags.size(); ++e) {
-    // Those of the row that touch the block share corners with elements that reach inside.
+    // Elements of the row next to the block share corners with elements that have interior nodes.
     const bool touches = at_x_mm[e] > 3.0 && at_x_mm[e] < 4.0;
     if (touches) continue;
     EXPECT_EQ(flags[e], char(at_x_mm[e] < 3.0)) << at_x_mm[e];
@@ -55,7 +55,7 @@ TEST(ElementsWithInteriorNodes, AThinPartOfAThickBodyIsALayer) {
 }
 
 TEST(ElementsWithInteriorNodes, BlocksAreNumberedThrough) {
-  // A layer of tet10 that is not joined to what comes before it.
+  // A separate layer of tet10.
   mesh::VolumeMesh both = test::box_mesh({.cells = {2, 2, 2}, .shape = ElementShape::kWedge15});
   const mesh::VolumeMesh layer =
       test::box_mesh({.cells = {3, 3, 1}, .shape = ElementShape::kTet10});
@@ -70,7 +70,7 @@ TEST(ElementsWithInteriorNodes, BlocksAreNumberedThrough) {
   EXPECT_EQ(std::count(end_of_first, flags.end(), 1), 0);
 }
 
-TEST(ElementsWithInteriorNodes, IsNotLookedForWhereNoShapeAsks) {
+TEST(ElementsWithInteriorNodes, IsEmptyIfNoShapeNeedsIt) {
   EXPECT_TRUE(elements_with_interior_nodes(test::box_mesh({.cells = {2, 2, 2}})).empty());
 }
 

@@ -29,7 +29,7 @@ class Equilibrium : public testing::TestWithParam<ElementShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, Equilibrium, testing::ValuesIn(test::kAllElements),
                          test::shape_name);
 
-/// The sum of the forces on `nodes` in one component [N].
+/// \returns the sum of the forces on `nodes` in one component [N].
 double reaction(const Body& body, const VectorX& u, const std::string& set, int component) {
   const VectorX residual_n = body.assembler.forces(u)->residual_n;
   double sum = 0.0;
@@ -67,7 +67,7 @@ std::pair<double, double> uniaxial(const NeoHookean& law, double a) {
   return {low, law.mu_mpa * (a - 1.0 / a) + law.lambda_mpa * std::log(a * low * low) / a};
 }
 
-/// A 2 x 1 x 1 mm bar on three sliding planes, its end x1 drawn to stretch a.
+/// A 2 x 1 x 1 mm bar on three symmetry planes; its end x1 is moved to stretch a.
 Body bar(double a, const Material& law, ElementShape shape) {
   auto mesh =
       box_mesh({.cells = {4, 2, 2}, .size_mm = {2, 1, 1}, .distortion = 0.15, .shape = shape});
@@ -92,7 +92,7 @@ TEST_P(Equilibrium, UniaxialStretchMatchesTheClosedForm) {
   }
 }
 
-TEST_P(Equilibrium, AtSmallStrainTheBarIsHookes) {
+TEST_P(Equilibrium, AtSmallStrainTheBarFollowsHookesLaw) {
   const double young_mpa = 0.015;
   const double strain = -1e-6;
   const auto law = NeoHookean::from_young_poisson(young_mpa, 0.45).value();
@@ -116,7 +116,7 @@ TEST_P(Equilibrium, SimpleShearMatchesTheClosedForm) {
               1e-12);
 }
 
-/// A block held at x0, its end x1 moved: bending, shear and a free surface.
+/// A block fixed at x0 whose end x1 is moved: bending, shear and a free surface.
 Body bent_block(const RigidTransform& place, ElementShape shape = ElementShape::kTet4) {
   auto mesh =
       box_mesh({.cells = {5, 3, 3}, .size_mm = {10, 6, 6}, .distortion = 0.15, .shape = shape});
@@ -150,7 +150,7 @@ TEST(Equilibrium, NewtonConvergesQuadratically) {
     const auto outcome = bent_block(RigidTransform::Identity(), shape)
                              .solve({.relative_tolerance = 1e-11, .absolute_tolerance_n = 0.0});
     ASSERT_TRUE(outcome.converged()) << outcome.reason;
-    // Observed order from three successive residuals, the last that are above round-off.
+    // Observed order from the last three successive residuals above round-off.
     std::vector<double> r;
     for (const auto& line : outcome.history)
       if (line.residual_n > 1e-12 * line.residual_reference_n) r.push_back(line.residual_n);
@@ -172,8 +172,8 @@ TEST(Equilibrium, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one, with_threads(3));
 }
 
-TEST(Equilibrium, CantileverBendsLikeTimoshenkosBeam) {
-  // Tip moved by d: force = d / (L^3 / (3 E I) + L / (5/6 G A)); clamped root, tip free to turn.
+TEST(Equilibrium, CantileverBendsLikeATimoshenkoBeam) {
+  // Tip displacement d: force = d / (L^3 / (3 E I) + L / (5/6 G A)); clamped root, free rotation.
   const double L = 20.0;
   const double E = 1.0;
   const double tip_mm = 1e-3;
@@ -192,8 +192,8 @@ TEST(Equilibrium, CantileverBendsLikeTimoshenkosBeam) {
   }
 }
 
-TEST(Equilibrium, FreeNodesFollowABoundaryThatMovesFurtherThanAnElement) {
-  // The end moves by 3 mm into elements of 2 mm: with the boundary alone they would be inside out.
+TEST(Equilibrium, TheLinearResponseAllowsABoundaryToMoveFurtherThanAnElement) {
+  // The end moves by 3 mm into elements of 2 mm: with the boundary alone they would invert.
   auto mesh = box_mesh({.cells = {5, 2, 2}, .size_mm = {10, 4, 4}, .distortion = 0.1});
   auto conditions = joined({prescribe_zero(mesh.node_sets.at("x0")),
                             prescribe_component(mesh.node_sets.at("x1"), 0, -3.0)});
@@ -203,7 +203,7 @@ TEST(Equilibrium, FreeNodesFollowABoundaryThatMovesFurtherThanAnElement) {
   EXPECT_TRUE(body.solve().converged());
 }
 
-/// W = sqrt(1 + |x_b - x_a|^2): from afar, Newton's step leads far beyond the minimum.
+/// W = sqrt(1 + |x_b - x_a|^2): from far away Newton's step goes far beyond the minimum.
 class FlatteningSpring final : public ForceTerm {
  public:
   Index item_count() const override { return 1; }
@@ -225,7 +225,7 @@ class FlatteningSpring final : public ForceTerm {
   std::array<std::int32_t, 2> nodes_{0, 1};
 };
 
-TEST(Equilibrium, AResponseThatLeadsUphillIsNotFollowed) {
+TEST(Equilibrium, ALinearResponseThatIncreasesTheEnergyIsNotUsed) {
   const FlatteningSpring spring;
   const std::vector<Vec3> nodes_L{Vec3::Zero(), Vec3(3, 0, 0)};
   const std::vector<PrescribedDisplacement> moved{
@@ -234,7 +234,7 @@ TEST(Equilibrium, AResponseThatLeadsUphillIsNotFollowed) {
       {.node = 0, .component = 2}};
   const Assembler assembler(nodes_L, DofMap::build(2, moved).value(), {&spring});
   linear::LinearSolver solver;
-  // At its end the spring is slack: nothing is left to compare the residual with.
+  // At the end the spring has no force: the residual reference is zero.
   const auto outcome =
       find_equilibrium(assembler, moved, VectorX::Zero(6), solver, {.absolute_tolerance_n = 1e-10});
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
@@ -242,7 +242,7 @@ TEST(Equilibrium, AResponseThatLeadsUphillIsNotFollowed) {
   EXPECT_NEAR(outcome.x[3], -2.9, 1e-8);
 }
 
-TEST(Equilibrium, SaysSoWhenTheBoundaryTurnsElementsInsideOut) {
+TEST(Equilibrium, ReportsThatTheBoundaryInvertsElements) {
   auto mesh = box_mesh({.cells = {2, 2, 2}});
   auto conditions = joined({prescribe_zero(mesh.node_sets.at("x0")),
                             prescribe_component(mesh.node_sets.at("x1"), 0, -1.5)});
@@ -252,7 +252,7 @@ TEST(Equilibrium, SaysSoWhenTheBoundaryTurnsElementsInsideOut) {
   EXPECT_EQ(outcome.x.size(), 3 * body.mesh.node_count());
 }
 
-TEST(Equilibrium, ABodyHeldByNothingStaysWhereItIs) {
+TEST(Equilibrium, AFreeBodyStaysWhereItIs) {
   const Body body(box_mesh(), {{0, kLaw}}, {});
   const auto outcome = body.solve();
   EXPECT_TRUE(outcome.converged());
@@ -269,8 +269,8 @@ TEST(Equilibrium, WithEverythingPrescribedThereIsNothingToSolve) {
   EXPECT_GT(reaction(body, outcome.x, "x1", 0), 0.0);
 }
 
-TEST(Equilibrium, ABucklingBlockIsCarriedOverItsIndefiniteTangent) {
-  // A slender column pressed straight down by a quarter: the straight state is no minimum.
+TEST(Equilibrium, ABucklingBlockConvergesPastItsIndefiniteTangent) {
+  // A slender column compressed by a quarter: the straight state is not a minimum.
   auto mesh = box_mesh({.cells = {12, 2, 2}, .size_mm = {24, 2, 2}});
   for (Vec3& node : mesh.nodes_L) node.z() += 1e-3 * std::sin(std::numbers::pi * node.x() / 24.0);
   auto conditions = joined({prescribe_zero(mesh.node_sets.at("x0")),
@@ -283,11 +283,11 @@ TEST(Equilibrium, ABucklingBlockIsCarriedOverItsIndefiniteTangent) {
   double max_shift = 0.0;
   for (const auto& line : outcome.history) max_shift = std::max(max_shift, line.diagonal_shift);
   EXPECT_GT(max_shift, 0.0);
-  linear::LinearSolver solver;  // The end is a stable state: its tangent is positive definite.
+  linear::LinearSolver solver;  // The final state is stable: its tangent is positive definite.
   EXPECT_EQ(solver.factorize(body.assembler.tangent(outcome.x)), linear::LinearSolveStatus::kDone);
 }
 
-TEST(Equilibrium, EveryLinearSolverLeadsThereAsFast) {
+TEST(Equilibrium, EveryLinearSolverNeedsTheSameIterations) {
   auto mesh = box_mesh({.cells = {10, 10, 10}});
   auto conditions = joined({prescribe_zero(mesh.node_sets.at("x0")),
                             prescribe_component(mesh.node_sets.at("x1"), 0, -0.2),

@@ -31,7 +31,7 @@ Assembler assembler_of(const mesh::VolumeMesh& mesh, const FollowerPressure& ter
   return {mesh.nodes_L, DofMap::build(mesh.node_count(), prescribed).value(), {&term}};
 }
 
-/// All nodes moved at random by up to that much.
+/// \returns random displacements of all nodes up to the given size.
 VectorX shaken(const mesh::VolumeMesh& mesh, double reach_mm, unsigned seed) {
   test::RandomDeformation random(seed);
   return VectorX::NullaryExpr(3 * mesh.node_count(), [&] { return reach_mm * random.number(); });
@@ -88,9 +88,9 @@ TEST_P(Pressures, PressesOnTheCurrentAreaAlongTheCurrentNormal) {
   EXPECT_LT((resultant(forces->residual_n) - 0.7 * 6.0 * cofactor(F).col(2)).norm(), 1e-12);
 }
 
-TEST_P(Pressures, OnABulgingPatchTheForceIsThatOnTheAreaOfItsRim) {
-  // A closed surface carries no net force: whatever the bulge, its normals add up to those of the
-  // plane within its rim.
+TEST_P(Pressures, OnABulgingPatchTheForceIsThatOnThePlaneWithinItsBorder) {
+  // The total force on a closed surface is zero: the area vectors of any bulge add up to that of
+  // the plane within its border.
   const auto mesh = box_mesh({.cells = {3, 3, 1}, .size_mm = {3, 2, 1}, .shape = GetParam()});
   const auto term = pressure_on(mesh, "z1", -0.4);
   VectorX u = VectorX::Zero(3 * mesh.node_count());
@@ -102,32 +102,33 @@ TEST_P(Pressures, OnABulgingPatchTheForceIsThatOnTheAreaOfItsRim) {
   EXPECT_LT((residual - Vec3(0, 0, -0.4 * 6.0)).norm(), 1e-12);
 }
 
-TEST_P(Pressures, IsConservativeWhereTheRimIsHeld) {
+TEST_P(Pressures, IsConservativeIfTheBorderIsPrescribed) {
   const auto mesh = box_mesh({.cells = {2, 2, 1}, .shape = GetParam()});
   const auto term = pressure_on(mesh, "z1", 1.0);
-  std::vector<std::int32_t> rim;
+  std::vector<std::int32_t> border;
   for (const std::int32_t node : mesh.node_sets.at("z1")) {
     const Vec3& X = mesh.nodes_L[std::size_t(node)];
-    if (X.x() == 0.0 || X.x() == 1.0 || X.y() == 0.0 || X.y() == 1.0) rim.push_back(node);
+    if (X.x() == 0.0 || X.x() == 1.0 || X.y() == 0.0 || X.y() == 1.0) border.push_back(node);
   }
   const auto dofs_with = [&](const std::vector<PrescribedDisplacement>& prescribed) {
     return DofMap::build(mesh.node_count(), prescribed).value();
   };
-  EXPECT_TRUE(term->is_conservative(dofs_with(prescribe_zero(rim))));
+  EXPECT_TRUE(term->is_conservative(dofs_with(prescribe_zero(border))));
   EXPECT_FALSE(term->is_conservative(dofs_with({})));
-  EXPECT_FALSE(term->is_conservative(dofs_with(test::prescribe_component(rim, 2, 0.0))));
-  rim.pop_back();
-  EXPECT_FALSE(term->is_conservative(dofs_with(prescribe_zero(rim))));
+  EXPECT_FALSE(term->is_conservative(dofs_with(test::prescribe_component(border, 2, 0.0))));
+  border.pop_back();
+  EXPECT_FALSE(term->is_conservative(dofs_with(prescribe_zero(border))));
 }
 
-TEST_P(Pressures, WithAHeldRimTheEnergyIsThatOfTheForces) {
+TEST_P(Pressures, WithAPrescribedBorderForcesAreDerivativesOfTheEnergy) {
   auto mesh = box_mesh({.cells = {2, 2, 1}, .shape = GetParam()});
   const auto term = pressure_on(mesh, "z1", 0.7);
-  auto sides = mesh.node_sets.at("x0");
+  auto fixed_nodes = mesh.node_sets.at("x0");
   for (const char* set : {"x1", "y0", "y1"})
-    sides.insert(sides.end(), mesh.node_sets.at(set).begin(), mesh.node_sets.at(set).end());
-  const Assembler assembler = assembler_of(mesh, *term, prescribe_zero(sides));
-  const VectorX u = shaken(mesh, 0.1, 5);  // The rim, too, has been moved before it was held.
+    fixed_nodes.insert(fixed_nodes.end(), mesh.node_sets.at(set).begin(),
+                       mesh.node_sets.at(set).end());
+  const Assembler assembler = assembler_of(mesh, *term, prescribe_zero(fixed_nodes));
+  const VectorX u = shaken(mesh, 0.1, 5);  // The border is displaced, too.
   const VectorX free = assembler.dofs().free_part(assembler.forces(u)->residual_n);
   ASSERT_GT(free.norm(), 0.01);
   const double h = 1e-4;
@@ -140,10 +141,10 @@ TEST_P(Pressures, WithAHeldRimTheEnergyIsThatOfTheForces) {
   }
 }
 
-TEST_P(Pressures, ABlockUnderPressureAllRoundShrinksEvenly) {
+TEST_P(Pressures, ABlockUnderUniformPressureShrinksUniformly) {
   const auto mesh = box_mesh({.cells = {2, 2, 2}, .distortion = 0.15, .shape = GetParam()});
   const double p = 0.8;
-  // Three planes to slide on.
+  // Three symmetry planes.
   const auto prescribed =
       test::joined({test::prescribe_component(mesh.node_sets.at("x0"), 0, 0.0),
                     test::prescribe_component(mesh.node_sets.at("y0"), 1, 0.0),
@@ -157,8 +158,8 @@ TEST_P(Pressures, ABlockUnderPressureAllRoundShrinksEvenly) {
     (P + p * l * l > 0.0 ? high : low) = l;
   }
   const VectorX expected = test::affine(mesh, (low - 1.0) * Mat3::Identity(), Vec3::Zero());
-  // Either all round, or on the three other sides alone: the rim slides in the planes, where the
-  // tangent is exact as well.
+  // On all sides, or on the other three sides only: the border then slides in the planes, where the
+  // tangent is exact, too.
   std::vector<mesh::Face> three_sides;
   for (const char* set : {"x1", "y1", "z1"}) {
     const auto& side = mesh.face_sets.at(set);
@@ -175,11 +176,11 @@ TEST_P(Pressures, ABlockUnderPressureAllRoundShrinksEvenly) {
   }
 }
 
-/// The sum of the area vectors of a surface of tri6 or quad8 by its rim alone: half of the line
-/// integral of x (x) dx; of straight or quadratic sides, given by their ends and middles.
-Vec3 rim_area(const std::vector<std::array<Vec3, 3>>& sides) {
+/// \returns the sum of the area vectors of a surface of tri6 or quad8, from its border: half of the
+///   line integral of x (x) dx over straight or quadratic edges, given by ends and mid-edge nodes.
+Vec3 border_area(const std::vector<std::array<Vec3, 3>>& edges) {
   Vec3 sum = Vec3::Zero();
-  for (const auto& [begin, middle, end] : sides)
+  for (const auto& [begin, middle, end] : edges)
     for (const auto& [s, weight] :
          {std::pair{-std::sqrt(0.6), 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {std::sqrt(0.6), 5.0 / 9.0}}) {
       const Vec3 x =
@@ -190,8 +191,8 @@ Vec3 rim_area(const std::vector<std::array<Vec3, 3>>& sides) {
   return sum;
 }
 
-/// A 10 x 1 x 1 mm cantilever of hex20 held at x0, pressed on by p from above (z1): its free end
-/// turns far round, and the rim of the loaded face with it.
+/// A 10 x 1 x 1 mm cantilever of hex20, fixed at x0, with pressure p on its upper face z1. Its free
+/// end, and the border of the loaded face, rotate far.
 test::Body cantilever(const FollowerPressure*& load, std::unique_ptr<FollowerPressure>& owner,
                       double p) {
   auto mesh = box_mesh({.cells = {10, 1, 1}, .size_mm = {10, 1, 1}, .shape = ElementShape::kHex20});
@@ -201,7 +202,7 @@ test::Body cantilever(const FollowerPressure*& load, std::unique_ptr<FollowerPre
   return {std::move(mesh), {{0, kLaw}}, std::move(prescribed), {load}};
 }
 
-TEST(FollowerPressure, ACantileverWithAFreeRimBendsFarRoundAndIsHeldByItsSupport) {
+TEST(FollowerPressure, ACantileverWithAFreeBorderRotatesFarInEquilibriumWithItsSupport) {
   const FollowerPressure* load = nullptr;
   std::unique_ptr<FollowerPressure> owner;
   const double p = 1e-3;
@@ -219,26 +220,26 @@ TEST(FollowerPressure, ACantileverWithAFreeRimBendsFarRoundAndIsHeldByItsSupport
     return Vec3(Vec3::Zero());
   };
   const Vec3 end = at(Vec3(10, 0, 1)) - at(Vec3(9, 0, 1));
-  EXPECT_LT(std::atan2(end.z(), end.x()), -0.9);  // Turned down by more than 50 degrees.
+  EXPECT_LT(std::atan2(end.z(), end.x()), -0.9);  // Rotated down by more than 50 degrees.
 
-  std::vector<std::array<Vec3, 3>> sides;
+  std::vector<std::array<Vec3, 3>> edges;
   for (int k = 0; k < 10; ++k) {
-    sides.push_back({at(Vec3(k, 0, 1)), at(Vec3(k + 0.5, 0, 1)), at(Vec3(k + 1, 0, 1))});
-    sides.push_back({at(Vec3(k + 1, 1, 1)), at(Vec3(k + 0.5, 1, 1)), at(Vec3(k, 1, 1))});
+    edges.push_back({at(Vec3(k, 0, 1)), at(Vec3(k + 0.5, 0, 1)), at(Vec3(k + 1, 0, 1))});
+    edges.push_back({at(Vec3(k + 1, 1, 1)), at(Vec3(k + 0.5, 1, 1)), at(Vec3(k, 1, 1))});
   }
-  sides.push_back({at(Vec3(10, 0, 1)), at(Vec3(10, 0.5, 1)), at(Vec3(10, 1, 1))});
-  sides.push_back({at(Vec3(0, 1, 1)), at(Vec3(0, 0.5, 1)), at(Vec3(0, 0, 1))});
+  edges.push_back({at(Vec3(10, 0, 1)), at(Vec3(10, 0.5, 1)), at(Vec3(10, 1, 1))});
+  edges.push_back({at(Vec3(0, 1, 1)), at(Vec3(0, 0.5, 1)), at(Vec3(0, 0, 1))});
   const Vec3 reaction = resultant(body.assembler.forces(outcome.x)->residual_n);
-  EXPECT_LT((reaction - p * rim_area(sides)).norm(), 1e-9 * reaction.norm());
+  EXPECT_LT((reaction - p * border_area(edges)).norm(), 1e-9 * reaction.norm());
 }
 
-/// A block that slides on three planes, pressed on from above by p: the rim of the pressed side is
+/// A block on three symmetry planes with pressure p on its upper face: the border of that face is
 /// free on two sides, and its area grows. mu (l - 1/l) + lambda ln(J) / l = -p w^2 along z, with
-/// w across: mu (w - 1/w) + lambda ln(J) / w = 0, J = l w^2.
+/// the lateral stretch w: mu (w - 1/w) + lambda ln(J) / w = 0, J = l w^2.
 struct PressedBlock {
   double l = 1.0, w = 1.0;
   explicit PressedBlock(double p) {
-    const auto bisect = [](double low, double high, const auto& f) {  // f ascends.
+    const auto bisect = [](double low, double high, const auto& f) {  // f is increasing.
       for (int n = 0; n < 200; ++n) {
         const double middle = 0.5 * (low + high);
         (f(middle) > 0.0 ? high : low) = middle;
@@ -251,7 +252,7 @@ struct PressedBlock {
                kLaw.lambda_mpa * std::log(along * across * across);
       });
     };
-    // True stress along z, which ascends with l.
+    // Cauchy stress along z, which increases with l.
     l = bisect(0.02, 1.0, [&](double along) {
       const double across = width(along), J = along * across * across;
       return (kLaw.mu_mpa * (along * along - 1.0) + kLaw.lambda_mpa * std::log(J)) / J + p;
@@ -260,7 +261,7 @@ struct PressedBlock {
   }
 };
 
-TEST_P(Pressures, WithAFreeRimABlockFollowsTheClosedFormQuadratically) {
+TEST_P(Pressures, WithAFreeBorderABlockMatchesTheClosedFormInQuadraticConvergence) {
   const auto mesh = box_mesh({.cells = {2, 2, 2}, .distortion = 0.15, .shape = GetParam()});
   const auto prescribed =
       test::joined({test::prescribe_component(mesh.node_sets.at("x0"), 0, 0.0),
@@ -286,7 +287,7 @@ TEST_P(Pressures, WithAFreeRimABlockFollowsTheClosedFormQuadratically) {
     gradient.diagonal() << expected.w - 1.0, expected.w - 1.0, expected.l - 1.0;
     EXPECT_LT((u - test::affine(mesh, gradient, Vec3::Zero())).lpNorm<Eigen::Infinity>(), 1e-9)
         << part << " of E";
-    // Linear convergence, by the symmetric part alone, wins less than one digit a step here.
+    // With the symmetric part alone, convergence is linear: less than one digit per step here.
     for (std::size_t k = 0; k + 1 < outcome.history.size(); ++k) {
       const double before = outcome.history[k].residual_n / outcome.history[k].residual_reference_n;
       const double after =
@@ -298,7 +299,7 @@ TEST_P(Pressures, WithAFreeRimABlockFollowsTheClosedFormQuadratically) {
   }
 }
 
-TEST(FollowerPressure, OfAFreeRimTheTangentIsTheSymmetricPartOfTheDerivative) {
+TEST(FollowerPressure, WithAFreeBorderTheTangentIsTheSymmetricPartOfTheDerivative) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = ElementShape::kHex20});
   const auto term = pressure_on(mesh, "z1", 0.7);
   const Assembler assembler = assembler_of(mesh, *term);
@@ -317,13 +318,13 @@ TEST(FollowerPressure, OfAFreeRimTheTangentIsTheSymmetricPartOfTheDerivative) {
   const Eigen::MatrixXd below = assembler.antisymmetric_tangent(u);
   const Eigen::MatrixXd other_half = 0.5 * (derivative - derivative.transpose());
   EXPECT_LT((below - below.transpose() - other_half).norm(), 1e-9);
-  // What Newton is told: all of it is follower, none is energy.
+  // All of it is follower force; there is no energy.
   const auto forces = assembler.forces(u);
   EXPECT_EQ(forces->follower_n, forces->residual_n);
   EXPECT_EQ(forces->energy_mj, 0.0);
 }
 
-TEST(FollowerPressure, InACavityItPressesEachWallOutwardWithPressureTimesArea) {
+TEST(FollowerPressure, InACavityTheForceOnEachWallIsPressureTimesArea) {
   // 3 x 3 x 3 cubes of 1 mm without the one in the middle.
   auto mesh = box_mesh({.cells = {3, 3, 3}, .size_mm = {3, 3, 3}, .shape = ElementShape::kHex8});
   std::vector<mesh::Face> walls;
@@ -335,7 +336,7 @@ TEST(FollowerPressure, InACavityItPressesEachWallOutwardWithPressureTimesArea) {
     for (const mesh::LocalFace& local : mesh::faces_of(ElementShape::kHex8)) {
       mesh::Face wall = mesh::face_of(mesh.blocks[0].element(e), local);
       std::reverse(wall.nodes.begin(),
-                   wall.nodes.begin() + 4);  // Out of the body, into the cavity.
+                   wall.nodes.begin() + 4);  // Outward from the body, into the cavity.
       walls.push_back(wall);
     }
   }
@@ -347,7 +348,7 @@ TEST(FollowerPressure, InACavityItPressesEachWallOutwardWithPressureTimesArea) {
   test::RandomDeformation random(7);
   const Mat3 F = random.gradient();
   const auto forces = assembler.forces(test::affine(mesh, F - Mat3::Identity(), Vec3(1, 2, 3)));
-  // Work is gained as the cavity grows.
+  // The energy decreases as the cavity grows.
   EXPECT_NEAR(forces->energy_mj, -0.7 * (F.determinant() - 1.0), 1e-12);
   EXPECT_LT(resultant(forces->residual_n).norm(), 1e-12);
 
@@ -364,7 +365,7 @@ TEST(FollowerPressure, InACavityItPressesEachWallOutwardWithPressureTimesArea) {
   }
 }
 
-TEST(FollowerPressure, RefusesFacesThatCannotBe) {
+TEST(FollowerPressure, RejectsInvalidFaces) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}});
   auto faces = mesh.face_sets.at("x1");
   faces[1].nodes[0] = -1;

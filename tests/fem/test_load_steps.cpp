@@ -17,12 +17,12 @@ namespace {
 
 LoadState rest() { return {.t = 0.0, .u = VectorX::Zero(1)}; }
 
-/// Follows u = t^2; fails when the guess is further than `reach` from it.
-SolveAtLoad parabola(double reach, int iterations = 3) {
+/// Finds u = t^2; fails if the guess is further than `max_distance` from it.
+SolveAtLoad parabola(double max_distance, int iterations = 3) {
   return [=](double t, const VectorX& start) {
     NewtonOutcome outcome;
     outcome.history.resize(std::size_t(iterations) + 1);
-    const bool found = std::abs(start[0] - t * t) <= reach;
+    const bool found = std::abs(start[0] - t * t) <= max_distance;
     outcome.stop = found ? NewtonStop::kConverged : NewtonStop::kTooManyIterations;
     outcome.reason = found ? "converged" : "too far away";
     outcome.x = VectorX::Constant(1, found ? t * t : -99.0);
@@ -30,12 +30,12 @@ SolveAtLoad parabola(double reach, int iterations = 3) {
   };
 }
 
-/// Converges up to t = `wall`.
-SolveAtLoad wall_at(double wall) {
+/// Converges up to t = `limit`.
+SolveAtLoad converging_up_to(double limit) {
   return [=](double t, const VectorX&) {
     NewtonOutcome outcome;
-    outcome.stop = t <= wall ? NewtonStop::kConverged : NewtonStop::kStagnated;
-    outcome.reason = "there is a wall";
+    outcome.stop = t <= limit ? NewtonStop::kConverged : NewtonStop::kStagnated;
+    outcome.reason = "beyond the limit";
     outcome.x = VectorX::Constant(1, t);
     return outcome;
   };
@@ -51,7 +51,7 @@ TEST(LoadSteps, AnEasyLoadTakesOneStep) {
   EXPECT_EQ(stepper.attempts()[0].reason, "converged");
 }
 
-TEST(LoadSteps, AFailedIncrementIsHalvedAndNothingOfItIsKept) {
+TEST(LoadSteps, AFailedIncrementIsHalvedAndLeavesNoTrace) {
   LoadStepper stepper(rest(), parabola(0.1), {.growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
   const auto& attempts = stepper.attempts();
@@ -63,16 +63,17 @@ TEST(LoadSteps, AFailedIncrementIsHalvedAndNothingOfItIsKept) {
   EXPECT_EQ(stepper.state().u[0], 1.0);
 }
 
-TEST(LoadSteps, LaterStepsStartFromAnExtrapolation) {
-  // Increments h from t: the extrapolation is off by 2 h^2, the last state by 2 t h + h^2.
+TEST(LoadSteps, LaterIncrementsStartFromAnExtrapolation) {
+  // After an increment h from t the error of the extrapolation is 2 h^2, of the last state 2 t h +
+  // h^2.
   LoadStepper stepper(rest(), parabola(0.13), {.first_increment = 0.25, .growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(2.0).has_value());
   EXPECT_EQ(stepper.attempts().size(), 8U);
   for (std::size_t k = 1; k < 8; ++k) EXPECT_TRUE(stepper.attempts()[k].extrapolated);
 }
 
-TEST(LoadSteps, WhereTheExtrapolationFailsTheLastStateServes) {
-  // The load stops at t = 1: extrapolating leads away from u = 1, the last state is exact.
+TEST(LoadSteps, WhereTheExtrapolationFailsTheLastStateIsTheGuess) {
+  // u = 1 beyond t = 1: the extrapolation leads away from it, the last state is exact.
   const SolveAtLoad solve = [](double t, const VectorX& start) {
     const double wanted = std::min(t, 1.0);
     NewtonOutcome outcome;
@@ -94,7 +95,7 @@ TEST(LoadSteps, WhereTheExtrapolationFailsTheLastStateServes) {
   EXPECT_EQ(attempts[3].t_to, 2.0);
 }
 
-TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
+TEST(LoadSteps, IncrementsGrowOnlyWhenEasy) {
   const LoadStepOptions options{
       .first_increment = 0.125, .growth_factor = 2.0, .target_iterations = 3};
   LoadStepper easy(rest(), parabola(100.0, 3), options);
@@ -106,7 +107,7 @@ TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
   EXPECT_EQ(hard.attempts().size(), 8U);
 }
 
-TEST(LoadSteps, IncrementsStayBelowTheLargest) {
+TEST(LoadSteps, IncrementsStayBelowTheMax) {
   LoadStepper stepper(rest(), parabola(100.0),
                       {.first_increment = 0.125, .max_increment = 0.25, .growth_factor = 2.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
@@ -114,14 +115,14 @@ TEST(LoadSteps, IncrementsStayBelowTheLargest) {
   EXPECT_EQ(stepper.attempts()[3].t_to, 0.875);
 }
 
-TEST(LoadSteps, ATinyStepBeforeALevelNeitherLetsTheIncrementGrowNorIsExtrapolatedFar) {
+TEST(LoadSteps, ATinyIncrementBeforeALevelDoesNotGrowAndIsNotExtrapolatedFar) {
   std::vector<double> starts;
   const auto solve = [&](double t, const VectorX& start) {
     starts.push_back(start[0]);
     NewtonOutcome outcome;
     outcome.history.resize(1);
     outcome.stop = NewtonStop::kConverged;
-    outcome.x = VectorX::Constant(1, t < 0.2 ? t : t + 1e-3);  // Newton's leavings.
+    outcome.x = VectorX::Constant(1, t < 0.2 ? t : t + 1e-3);  // The error of the last equilibrium.
     return outcome;
   };
   LoadStepper stepper(rest(), solve,
@@ -133,7 +134,7 @@ TEST(LoadSteps, ATinyStepBeforeALevelNeitherLetsTheIncrementGrowNorIsExtrapolate
   EXPECT_LT(std::abs(starts[2] - 0.2), 0.02);
 }
 
-TEST(LoadSteps, EveryConvergedStateIsReportedAndAnErrorThereEndsTheWalk) {
+TEST(LoadSteps, EveryConvergedStateIsReportedAndAnErrorThereEndsThePath) {
   std::vector<double> reported;
   const OnLoadState notify = [&](const LoadState& state) -> Result<void> {
     reported.push_back(state.t);
@@ -149,30 +150,31 @@ TEST(LoadSteps, EveryConvergedStateIsReportedAndAnErrorThereEndsTheWalk) {
   EXPECT_EQ(stepper.attempts().back().t_to, 0.5);
 }
 
-TEST(LoadSteps, RoundOffLeavesNoTinyLastStep) {
+TEST(LoadSteps, RoundOffLeavesNoTinyLastIncrement) {
   LoadStepper stepper(rest(), parabola(100.0), {.first_increment = 0.1, .growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
   EXPECT_EQ(stepper.attempts().size(), 10U);
   EXPECT_EQ(stepper.state().t, 1.0);
 }
 
-TEST(LoadSteps, GivesUpAtTheSmallestIncrementAndKeepsTheLastState) {
-  LoadStepper stepper(rest(), wall_at(0.6), {.min_increment = 1.0 / 16});
+TEST(LoadSteps, FailsAtTheMinIncrementAndKeepsTheLastState) {
+  LoadStepper stepper(rest(), converging_up_to(0.6), {.min_increment = 1.0 / 16});
   const auto result = stepper.advance_to(1.0);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kNotConverged);
   EXPECT_EQ(result.error().message,
-            "no equilibrium from load level 0.5625 to 0.625, the smallest increment: there is a "
-            "wall");
+            "no equilibrium from load level 0.5625 to 0.625, the smallest increment: beyond the "
+            "limit");
   EXPECT_EQ(stepper.state().t, 0.5625);
   EXPECT_EQ(stepper.state().u[0], 0.5625);
-  EXPECT_FALSE(stepper.advance_to(1.0).has_value());  // And again, without end of patience.
+  EXPECT_FALSE(stepper.advance_to(1.0).has_value());  // A second call fails, too.
 }
 
-TEST(LoadSteps, GivesUpAfterFewAttemptsWhereverTheWallStands) {
-  // Twelfths are no binary fractions: a difference of levels is off the increment by rounding.
+TEST(LoadSteps, FailsAfterFewAttemptsForAnyLimit) {
+  // Twelfths are not binary fractions: a difference of levels differs from the increment by
+  // rounding.
   for (int k = 0; k < 12; ++k) {
-    LoadStepper stepper(rest(), wall_at(k / 12.0 + 1e-12),
+    LoadStepper stepper(rest(), converging_up_to(k / 12.0 + 1e-12),
                         {.first_increment = 1.0 / 12, .min_increment = 1.0 / 24});
     ErrorCode code = ErrorCode::kCancelled;
     for (int level = 1; level <= 12; ++level) {
@@ -181,14 +183,14 @@ TEST(LoadSteps, GivesUpAfterFewAttemptsWhereverTheWallStands) {
       code = result.error().code;
       break;
     }
-    EXPECT_EQ(code, ErrorCode::kNotConverged) << "wall at " << k << "/12";
+    EXPECT_EQ(code, ErrorCode::kNotConverged) << "limit at " << k << "/12";
     EXPECT_NEAR(stepper.state().t, k / 12.0, 1e-9);
     // k levels, a failed twelfth, a failed half of it, each from at most two starts.
-    EXPECT_LE(stepper.attempts().size(), std::size_t(k) + 4) << "wall at " << k << "/12";
+    EXPECT_LE(stepper.attempts().size(), std::size_t(k) + 4) << "limit at " << k << "/12";
   }
 }
 
-TEST(LoadSteps, TriesNoMoreOftenThanAllowed) {
+TEST(LoadSteps, MakesAtMostMaxAttempts) {
   LoadStepper stepper(rest(), parabola(1e-3), {.growth_factor = 1.0, .max_attempts = 7});
   const auto result = stepper.advance_to(1.0);
   ASSERT_FALSE(result.has_value());
@@ -198,7 +200,7 @@ TEST(LoadSteps, TriesNoMoreOftenThanAllowed) {
   EXPECT_EQ(stepper.attempts().size(), 7U);
 }
 
-TEST(LoadSteps, OneHardIncrementDoesNotShrinkThoseOfLaterLevels) {
+TEST(LoadSteps, OneHardIncrementDoesNotShortenThoseOfLaterLevels) {
   // Between 0.4 and 0.6 an increment of at most 1/16 converges.
   const SolveAtLoad hard_middle = [at = 0.0](double t, const VectorX& start) mutable {
     NewtonOutcome outcome;
@@ -216,7 +218,7 @@ TEST(LoadSteps, OneHardIncrementDoesNotShrinkThoseOfLaterLevels) {
   EXPECT_EQ(stepper.attempts().size(), before + 1);
 }
 
-TEST(LoadSteps, AStartThatWasNotAtFaultIsNotReplaced) {
+TEST(LoadSteps, AGuessThatDidNotCauseTheFailureIsNotReplaced) {
   const auto starts_tried = [](NewtonStop stop, int iterations) {
     LoadStepper stepper(rest(),
                         [=](double t, const VectorX& start) {
@@ -250,7 +252,7 @@ TEST(LoadSteps, LackOfMemoryIsNotRetriedInSmallerIncrements) {
   EXPECT_EQ(stepper.attempts().size(), 1U);
 }
 
-TEST(LoadSteps, RefusesALevelThatDoesNotLieAhead) {
+TEST(LoadSteps, RejectsALevelThatIsNotGreater) {
   LoadStepper stepper(rest(), parabola(10.0));
   for (const double t : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
     EXPECT_EQ(stepper.advance_to(t).error().code, ErrorCode::kInvalidArgument);
@@ -262,7 +264,7 @@ class Stop final : public Progress {
   bool stop_requested() const override { return true; }
 };
 
-TEST(LoadSteps, StopsWhenAsked) {
+TEST(LoadSteps, StopsOnRequest) {
   Stop stop;
   LoadStepper stepper(rest(), parabola(10.0));
   EXPECT_EQ(stepper.advance_to(1.0, stop).error().code, ErrorCode::kCancelled);
@@ -293,8 +295,8 @@ TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
   EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth_factor = 0.0}), LogicError);
 }
 
-TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
-  // Turned by 2.6 rad: the linear response draws the middle together to a line.
+TEST(LoadSteps, TheTwistOfABlockIsHalvedUntilNoElementInverts) {
+  // Rotated by 2.6 rad: the linear response contracts the middle to a line.
   auto mesh = test::box_mesh({.cells = {3, 3, 6}, .size_mm = {10, 10, 20}, .distortion = 0.15});
   const auto at = [&](double t) {
     RigidTransform turn = RigidTransform::Identity();
@@ -318,7 +320,7 @@ TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
     EXPECT_EQ(stepper.state().u[3 * Index(p.node) + p.component], p.displacement_mm);
 }
 
-TEST(LoadStepper, ResumesFromItsMemoryAsIfItHadNotStopped) {
+TEST(LoadStepper, ResumesFromItsCheckpointWithTheSameResults) {
   std::vector<double> requested;
   const SolveAtLoad solve = [&](double t, const VectorX& start) {
     requested.push_back(t);

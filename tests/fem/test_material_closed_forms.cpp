@@ -1,5 +1,4 @@
-// Every law against the formulas of the textbooks for stretching in one and in two directions, and
-// for simple shear.
+// Every law compared with closed forms of uniaxial and equibiaxial stretch and simple shear.
 #include <lefort/fem/materials/material.h>
 
 #include <gtest/gtest.h>
@@ -27,7 +26,7 @@ Mat3 simple_shear(double gamma) {
   return F;
 }
 
-/// Of an incompressible body whose faces z = const are free: that settles the pressure.
+/// Stress of an incompressible body whose faces z = const are free, which determines the pressure.
 template <class Law>
 Mat3 true_stress_free_in_z(const Law& law, const Mat3& F) {
   const Mat3 sigma = cauchy_stress(law.stress(F), F);
@@ -59,7 +58,7 @@ Slopes slopes(const Yeoh& law, double I1) {
   return {law.c10_mpa + 2.0 * law.c20_mpa * x + 3.0 * law.c30_mpa * x * x, 0.0};
 }
 
-/// True stress of a law in I1 and I2.
+/// Cauchy stress of a law in I1 and I2.
 template <class Law>
 struct ClosedForm {
   static double uniaxial(const Law& law, double s) {
@@ -101,7 +100,7 @@ class ClosedForms : public testing::Test {};
 using Isotropic = testing::Types<IsochoricNeoHookean, MooneyRivlin, Yeoh, Ogden>;
 TYPED_TEST_SUITE(ClosedForms, Isotropic);
 
-TYPED_TEST(ClosedForms, OfStretchingInOneAndInTwoDirectionsAreMet) {
+TYPED_TEST(ClosedForms, OfUniaxialAndEquibiaxialStretchAreMatched) {
   const auto law = Example<TypeParam>::law();
   for (const double s : kStretches) {
     expect_near(true_stress_free_in_z(law, uniaxial(s)),
@@ -111,14 +110,14 @@ TYPED_TEST(ClosedForms, OfStretchingInOneAndInTwoDirectionsAreMet) {
   }
 }
 
-TYPED_TEST(ClosedForms, OfSimpleShearAreMet) {
+TYPED_TEST(ClosedForms, OfSimpleShearAreMatched) {
   const auto law = Example<TypeParam>::law();
   for (const double gamma : kShears)
     expect_near(true_stress_free_in_z(law, simple_shear(gamma)),
                 ClosedForm<TypeParam>::simple_shear(law, gamma), gamma);
 }
 
-/// The stretch across at which diag(s, t, t) is free on its sides.
+/// \returns the lateral stretch t at which diag(s, t, t) is free on its sides.
 template <class Law>
 double free_stretch_across(const Law& law, double s) {
   double t = 1.0 / std::sqrt(s);
@@ -130,7 +129,7 @@ double free_stretch_across(const Law& law, double s) {
   return t;
 }
 
-TYPED_TEST(ClosedForms, AreWhatASplitLawTendsToAsItsBulkModulusGrows) {
+TYPED_TEST(ClosedForms, AreTheLimitOfADecoupledLawForALargeBulkModulus) {
   DecoupledLaw<TypeParam> law{.isochoric = Example<TypeParam>::law()};
   for (const VolumetricForm form :
        {VolumetricForm::kQuadratic, VolumetricForm::kQuadraticLog, VolumetricForm::kLogSquared}) {
@@ -169,11 +168,11 @@ TEST(NeoHookean, UniformExpansionMatchesTheClosedForm) {
   EXPECT_LT((sigma - pressure * Mat3::Identity()).norm(), 1e-13);
 }
 
-TEST(NeoHookean, FreeSidesSettleTheStretchAcross) {
+TEST(NeoHookean, FreeSidesDetermineTheLateralStretch) {
   const NeoHookean law{.mu_mpa = 0.5, .lambda_mpa = 2.0};
   for (const double s : kStretches) {
     const double t = free_stretch_across(law, s);
-    // Across, mu (t^2 - 1) + lambda ln J = 0; along, the true stress is mu (s^2 - t^2) / J.
+    // Laterally mu (t^2 - 1) + lambda ln J = 0; the axial Cauchy stress is mu (s^2 - t^2) / J.
     EXPECT_NEAR(0.5 * (t * t - 1.0) + 2.0 * std::log(s * t * t), 0.0, kPrecision);
     const Mat3 F = Vec3(s, t, t).asDiagonal();
     expect_near(cauchy_stress(law.stress(F), F),
@@ -187,11 +186,11 @@ TEST(StVenantKirchhoff, StretchingAndShearMatchTheClosedForms) {
   const auto law = StVenantKirchhoff::from_young_poisson(kYoung, kPoisson).value();
   for (const double s : {0.7, 0.99, 1.0, 1.3, 1.4}) {
     const double E = 0.5 * (s * s - 1.0);
-    // Hooke between E and S = F^-1 P: uniaxial S = young E, across -poisson E.
+    // Hooke's law for E and S = F^-1 P: uniaxial S = young E, lateral strain -poisson E.
     const double across = std::sqrt(1.0 - 2.0 * kPoisson * E);
     expect_near(law.stress(Vec3(s, across, across).asDiagonal()),
                 in_plane(s * kYoung * E, 0.0, 0.0), s);
-    // Equibiaxial S = young / (1 - poisson) E, across -2 poisson / (1 - poisson) E.
+    // Equibiaxial S = young / (1 - poisson) E, lateral strain -2 poisson / (1 - poisson) E.
     const double both = kYoung / (1.0 - kPoisson) * E;
     const double thinned = std::sqrt(1.0 - 4.0 * kPoisson / (1.0 - kPoisson) * E);
     expect_near(law.stress(Vec3(s, s, thinned).asDiagonal()), in_plane(s * both, s * both, 0.0), s);
@@ -298,13 +297,13 @@ TEST(FungOrthotropic, WithEqualConstantsIsIsotropicAndStiffensFromHookesLaw) {
   // The tangent at rest is that of the neo-Hookean law.
   const Mat9 hooke = IsochoricNeoHookean{.mu_mpa = 0.7}.tangent(Mat3::Identity());
   EXPECT_LT((law.tangent(Mat3::Identity()) - hooke).norm(), 1e-15);
-  // The softer c, the stiffer the stretched tissue.
+  // The smaller c, the stiffer the stretched tissue.
   const double soft = law.energy(uniaxial(1.4));
   law.c_mpa = 0.5;
   EXPECT_GT(law.energy(uniaxial(1.4)), 1.1 * soft);
 }
 
-/// The true stress of one taut family, but for pressure: 2 k1 e exp(k2 e^2) (d B + (1 - 3 d) a
+/// The Cauchy stress of one taut family without pressure: 2 k1 e exp(k2 e^2) (d B + (1 - 3 d) a
 /// a^T), where a = F a0.
 Mat3 fiber_stress(const HolzapfelGasserOgden& law, const Mat3& F, const Vec3& a0) {
   const Mat3 B = F * F.transpose();
@@ -315,7 +314,7 @@ Mat3 fiber_stress(const HolzapfelGasserOgden& law, const Mat3& F, const Vec3& a0
          (d * B + (1.0 - 3.0 * d) * a * a.transpose());
 }
 
-TEST(HolzapfelGasserOgden, AlongParallelFibersTheyBearAndAcrossTheyDoNot) {
+TEST(HolzapfelGasserOgden, ParallelFibersAreLoadedAlongThemAndNotAcross) {
   const HolzapfelGasserOgden law{.mu_mpa = 0.7, .k1_mpa = 0.9, .k2 = 0.4};
   ASSERT_TRUE(law.validate().has_value());
   for (const double s : {1.001, 1.1, 1.5}) {
@@ -323,7 +322,7 @@ TEST(HolzapfelGasserOgden, AlongParallelFibersTheyBearAndAcrossTheyDoNot) {
     const double e = s * s - 1.0;
     const double fibers = 2.0 * 0.9 * s * s * e * std::exp(0.4 * e * e);
     expect_near(true_stress_free_in_z(law, uniaxial(s)), in_plane(matrix + fibers, 0.0, 0.0), s);
-    // Shortened fibers are slack: along y when stretched along x, along x when pressed there.
+    // Shortened fibers are slack: along y under tension along x, along x under compression there.
     HolzapfelGasserOgden across = law;
     across.fiber[0] = Vec3::UnitY();
     expect_near(true_stress_free_in_z(across, uniaxial(s)), in_plane(matrix, 0.0, 0.0), s);
@@ -364,7 +363,7 @@ TEST(HolzapfelGasserOgden, TwoDispersedFamiliesAddUp) {
   }
 }
 
-TEST(HolzapfelGasserOgden, FullyDispersedFibersPreferNoDirection) {
+TEST(HolzapfelGasserOgden, FullyDispersedFibersAreIsotropic) {
   HolzapfelGasserOgden law{.mu_mpa = 0.7, .k1_mpa = 0.9, .k2 = 0.4, .dispersion = 1.0 / 3.0};
   ASSERT_TRUE(law.validate().has_value());
   test::RandomDeformation random(34);
@@ -393,7 +392,7 @@ TEST(HolzapfelGasserOgden, TheSignOfAFiberDoesNotMatter) {
   }
 }
 
-TEST(ExponentialLaws, AnswerInfinityOrNanWhereTheExponentOverflows) {
+TEST(ExponentialLaws, ReturnInfinityOrNanWhereTheExponentOverflows) {
   const FungOrthotropic fung{.mu_mpa = {1.0, 1.0, 1.0}, .c_mpa = 0.1};
   const HolzapfelGasserOgden fibers{.mu_mpa = 1.0, .k1_mpa = 1.0, .k2 = 40.0};
   for (const double s : {5.0, 1e3, 1e30}) {

@@ -21,7 +21,7 @@ using test::Matrix;
 
 constexpr int kSamples = 2000;
 
-/// Of stresses and tangents, over the tangent's norm.
+/// Tolerance of stresses and tangents, relative to the norm of the tangent.
 constexpr double kPrecision = 1e-13;
 
 /// F as nine variables.
@@ -33,7 +33,7 @@ Matrix<Jet> variables(const Mat3& F) {
   });
 }
 
-/// Whether the energy has a second derivative here and near: not where a fiber is just taut.
+/// \returns whether the energy has a second derivative near F: not where a fiber is just taut.
 template <class Law>
 bool is_smooth_near(const Law& /*law*/, const Mat3& /*F*/, double /*distance*/) {
   return true;
@@ -46,7 +46,7 @@ bool is_smooth_near(const DecoupledLaw<HolzapfelGasserOgden>& law, const Mat3& F
   return true;
 }
 
-/// What every law must fulfill.
+/// Properties of every law.
 template <class Law>
 class AllMaterials : public testing::Test {};
 TYPED_TEST_SUITE(AllMaterials, test::AllLaws);
@@ -58,7 +58,7 @@ TYPED_TEST(AllMaterials, NoEnergyAndNoStressAtRest) {
   EXPECT_EQ(law.stress(Mat3::Identity()).norm(), 0.0);
 }
 
-TYPED_TEST(AllMaterials, EnergyStressAndTangentAreTheTextbooksAndItsDerivatives) {
+TYPED_TEST(AllMaterials, EnergyStressAndTangentAreThoseOfTheTextbookEnergy) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(11);
   for (int n = 0; n < kSamples; ++n) {
@@ -76,8 +76,8 @@ TYPED_TEST(AllMaterials, EnergyStressAndTangentAreTheTextbooksAndItsDerivatives)
   }
 }
 
-TYPED_TEST(AllMaterials, DifferencesOfTheEnergyAreTheStressAndOfTheStressTheTangent) {
-  // The suite's own check, without a Jet.
+TYPED_TEST(AllMaterials, StressAndTangentAreFiniteDifferencesOfEnergyAndStress) {
+  // Finite differences, independent of Jet.
   constexpr double kStep = 1e-5;
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(12);
@@ -101,13 +101,13 @@ TYPED_TEST(AllMaterials, IsHookesLawAtSmallStrain) {
     const Mat3 F = Mat3::Identity() + 1e-6 * (M + M.transpose());
     const Mat3 eps = F - Mat3::Identity();
     const double expected = Example<TypeParam>::small_strain_energy(law, eps);
-    // An energy of 1e-12 MPa still has its digits.
+    // An energy of 1e-12 MPa is accurate.
     ASSERT_NEAR(law.energy(F), expected, 1e-4 * expected) << "sample " << n;
     ASSERT_NEAR(contract(law.stress(F), eps), 2.0 * expected, 1e-4 * expected) << "sample " << n;
   }
 }
 
-TYPED_TEST(AllMaterials, TheMoreStretchedOrShortenedTheMoreEnergy) {
+TYPED_TEST(AllMaterials, EnergyIncreasesWithStretchAndCompression) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(14);
   for (int n = 0; n < 100; ++n) {
@@ -123,7 +123,7 @@ TYPED_TEST(AllMaterials, TheMoreStretchedOrShortenedTheMoreEnergy) {
   }
 }
 
-/// Against the textbook, with eighty digits.
+/// Compared with the textbook energy, with eighty digits.
 template <class Law>
 double relative_error_of_energy(const Law& law, const Mat3& F) {
   using Exact = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<80>,
@@ -133,11 +133,11 @@ double relative_error_of_energy(const Law& law, const Mat3& F) {
   return std::abs(double((Exact(law.energy(F)) - exact) / exact));
 }
 
-/// Whether terms of first order in the strain, which add to zero, are left out of the energy.
+/// Whether terms of first order in the strain, which add to zero, are omitted from the energy.
 template <class Law>
 constexpr bool kKeepsDigits = !std::is_same_v<Law, NeoHookean>;
 
-TYPED_TEST(AllMaterials, EnergiesOfTinyStrainsKeepTheirDigits) {
+TYPED_TEST(AllMaterials, EnergiesOfTinyStrainsAreAccurate) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(15);
   for (double size = 0.3; size > 1e-12; size *= 0.3) {
@@ -152,7 +152,7 @@ TYPED_TEST(AllMaterials, EnergiesOfTinyStrainsKeepTheirDigits) {
   }
 }
 
-/// What every law but the linear one must fulfill.
+/// Properties of every law except the linear one.
 template <class Law>
 class ObjectiveMaterials : public testing::Test {};
 template <class List>
@@ -164,7 +164,7 @@ struct WithoutLinear<testing::Types<A, B, Others...>> {
 };
 TYPED_TEST_SUITE(ObjectiveMaterials, WithoutLinear<test::AllLaws>::Types);
 
-TYPED_TEST(ObjectiveMaterials, ARotationOfTheBodyTurnsTheStressAndNothingElse) {
+TYPED_TEST(ObjectiveMaterials, ARotationOfTheBodyRotatesTheStressOnly) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(16);
   for (int n = 0; n < kSamples; ++n) {
@@ -178,7 +178,7 @@ TYPED_TEST(ObjectiveMaterials, ARotationOfTheBodyTurnsTheStressAndNothingElse) {
   }
 }
 
-TYPED_TEST(ObjectiveMaterials, ARotationOfTheMaterialThatIsItsSymmetryIsNotSeen) {
+TYPED_TEST(ObjectiveMaterials, ARotationInTheMaterialSymmetryHasNoEffect) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(17);
   for (int n = 0; n < kSamples; ++n) {
@@ -190,12 +190,12 @@ TYPED_TEST(ObjectiveMaterials, ARotationOfTheMaterialThatIsItsSymmetryIsNotSeen)
   }
 }
 
-/// What every shear part must fulfill.
+/// Properties of every isochoric law.
 template <class Law>
-class ShearParts : public testing::Test {};
-TYPED_TEST_SUITE(ShearParts, test::ShearLaws);
+class IsochoricLaws : public testing::Test {};
+TYPED_TEST_SUITE(IsochoricLaws, test::IsochoricExamples);
 
-TYPED_TEST(ShearParts, DoNotSeeAChangeOfVolume) {
+TYPED_TEST(IsochoricLaws, DoNotDependOnVolume) {
   const auto law = Example<TypeParam>::law();
   test::RandomDeformation random(18);
   for (int n = 0; n < kSamples; ++n) {
@@ -208,7 +208,7 @@ TYPED_TEST(ShearParts, DoNotSeeAChangeOfVolume) {
   }
 }
 
-TYPED_TEST(ShearParts, BelongToASplitLaw) {
+TYPED_TEST(IsochoricLaws, ArePartsOfADecoupledLaw) {
   static_assert(kIsDecoupled<DecoupledLaw<TypeParam>>);
   static_assert(!kIsDecoupled<TypeParam>);
   static_assert(!kIsDecoupled<NeoHookean>);
@@ -216,9 +216,10 @@ TYPED_TEST(ShearParts, BelongToASplitLaw) {
       (std::holds_alternative<DecoupledLaw<TypeParam>>(Material(DecoupledLaw<TypeParam>()))));
 }
 
-TYPED_TEST(ShearParts, CrushedAndDrawnOutBodiesHaveTheirEnergy) {
+TYPED_TEST(IsochoricLaws, HaveTheirEnergyAtExtremeStretches) {
   const auto law = Example<TypeParam>::law();
-  // Ogden's principal stretches come from C - I, which has few digits of a stretch near zero.
+  // Ogden's principal stretches are computed from C - I, which is inaccurate for stretches near
+  // zero.
   const double precision = std::is_same_v<TypeParam, Ogden> ? 1e-7 : 1e-10;
   test::RandomDeformation random(19);
   for (const double s : {1e-4, 1e-3, 1e-2, 0.1, 10.0, 100.0}) {
@@ -230,8 +231,8 @@ TYPED_TEST(ShearParts, CrushedAndDrawnOutBodiesHaveTheirEnergy) {
   }
 }
 
-TYPED_TEST(ShearParts, BeyondTheRangeOfNumbersAreNotFinite) {
-  // An element on its way to be refused must not look cheap.
+TYPED_TEST(IsochoricLaws, AreNotFiniteBeyondTheRangeOfNumbers) {
+  // The energy must increase towards inversion.
   const auto law = Example<TypeParam>::law();
   for (const double s : {1e-90, 1e90})
     EXPECT_FALSE(law.energy(Vec3(s, 1.0, 1.0).asDiagonal()) < 1e6) << s;

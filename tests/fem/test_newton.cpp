@@ -80,15 +80,15 @@ TEST(Newton, ConvergesQuadratically) {
   }
 }
 
-TEST(Newton, BacksOffFromInadmissibleStates) {
+TEST(Newton, ShortensStepsToInadmissibleStates) {
   const auto outcome = solve(barrier(), 5.0);  // The full step goes to 5 - 20.
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
   EXPECT_LT(outcome.history[1].step_length, 0.3);
 }
 
-TEST(Newton, EnergyNeverRises) {
-  // From 1.9 the full step is admissible, but leads uphill.
+TEST(Newton, EnergyNeverIncreases) {
+  // From 1.9 the full step is admissible, but increases the energy.
   for (const double start : {1.9, 40.0}) {
     const auto outcome = solve(barrier(), start);
     ASSERT_TRUE(outcome.converged()) << outcome.reason;
@@ -98,8 +98,8 @@ TEST(Newton, EnergyNeverRises) {
   }
 }
 
-TEST(Newton, WhereTheEnergySaysNothingTheResidualMustFall) {
-  // Undamped, Newton for arctan diverges from beyond 1.39.
+TEST(Newton, WithinTheRoundOffOfTheEnergyTheResidualMustDecrease) {
+  // Full Newton steps for arctan diverge from beyond 1.39.
   const Scalar noisy([](double) { return 0.0; }, [](double x) { return 1e-16 * std::atan(x); },
                      [](double x) { return 1e-16 / (1.0 + x * x); });
   const auto outcome =
@@ -111,7 +111,7 @@ TEST(Newton, WhereTheEnergySaysNothingTheResidualMustFall) {
 }
 
 TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
-  // Unshifted, Newton would walk from 0.3 to the maximum at 0.
+  // Without a shift Newton would go from 0.3 to the maximum at 0.
   const auto outcome = solve(double_well(), 0.3);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
@@ -119,10 +119,10 @@ TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
   EXPECT_EQ(outcome.history.back().diagonal_shift, 0.0);
 }
 
-/// A double well in x beside a spring in y; the convex tangent stiffens x alone.
+/// A double well in x and a spring in y. The PSD-projected tangent differs in x only.
 class WellAndSpring final : public NonlinearSystem {
  public:
-  explicit WellAndSpring(double convex_curvature) : convex_curvature_(convex_curvature) {}
+  explicit WellAndSpring(double psd_curvature) : psd_curvature_(psd_curvature) {}
 
   std::optional<ResidualState> residual_state(const VectorX& x) const override {
     const double well = x[0] * x[0] - 1.0, spring = x[1] - 2.0;
@@ -133,27 +133,27 @@ class WellAndSpring final : public NonlinearSystem {
   }
   linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
     const double exact = 3.0 * x[0] * x[0] - 1.0;
-    const double curvature = kind == Tangent::kExact ? exact : convex_curvature_;
+    const double curvature = kind == Tangent::kExact ? exact : psd_curvature_;
     return sparse(Eigen::Vector2d(curvature, 100.0).asDiagonal());
   }
 
  private:
-  double convex_curvature_;
+  double psd_curvature_;
 };
 
-TEST(Newton, AConvexTangentServesBeforeAnyShiftAndSlowsNothingElse) {
+TEST(Newton, PrefersAPsdProjectedTangentToAShift) {
   linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(2.0), Eigen::Vector2d(0.3, 0.0), solver);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
   EXPECT_NEAR(outcome.x[1], 2.0, 1e-12);
-  EXPECT_EQ(outcome.history[1].tangent_blend, 0.5);  // -0.73 and 2: a quarter does not help.
+  EXPECT_EQ(outcome.history[1].tangent_blend, 0.5);  // Of -0.73 and 2: a quarter is not enough.
   for (const NewtonIterate& line : outcome.history) EXPECT_EQ(line.diagonal_shift, 0.0);
   EXPECT_EQ(outcome.history.back().tangent_blend, 0.0);
 }
 
-TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
-  // Unlengthened, a step multiplies x by 1.02 at most.
+TEST(Newton, LeavesASaddleInFewStepsHoweverStiffThePsdProjectedTangent) {
+  // Without expansion a step multiplies x by 1.02 at most.
   linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(200.0), Eigen::Vector2d(1e-3, 2.0), solver);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
@@ -161,8 +161,8 @@ TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
   EXPECT_LE(outcome.iterations(), 12);
 }
 
-/// A nonlinear spring in the plane, |x|^2/2 + |x|^4/4, its end driven round by a force that has no
-/// energy: swirl * (-y, x), and pulled by a constant one.
+/// A nonlinear spring in the plane, |x|^2/2 + |x|^4/4, with a constant load and a force without a
+/// potential, swirl * (-y, x).
 class Swirl final : public NonlinearSystem {
  public:
   Swirl(double swirl, Eigen::Vector2d pull) : swirl_(swirl), pull_(std::move(pull)) {}
@@ -185,12 +185,12 @@ class Swirl final : public NonlinearSystem {
   Eigen::Vector2d pull_;
 };
 
-TEST(Newton, ForcesWithoutEnergyAreJudgedByTheirWorkAlongTheStep) {
+TEST(Newton, ForcesWithoutAPotentialEnterTheEnergyByTheirWork) {
   linear::LinearSolver solver;
   for (const double pull : {1.0, 100.0}) {
     const auto outcome = solve_newton(Swirl(0.5, {pull, 0.0}), Eigen::Vector2d(0.0, 5.0), solver);
     ASSERT_TRUE(outcome.converged()) << outcome.reason;
-    // The pull is what spring and swirl make of x: their matrix turns by atan(swirl / (1 + |x|^2)).
+    // pull = M x, where M rotates by atan(swirl / (1 + |x|^2)).
     const double stiffness = 1.0 + outcome.x.squaredNorm();
     EXPECT_NEAR(std::hypot(stiffness, 0.5) * outcome.x.norm(), pull, 1e-7 * pull);
     EXPECT_NEAR(std::atan2(outcome.x[1], outcome.x[0]), -std::atan2(0.5, stiffness), 1e-7);
@@ -200,49 +200,49 @@ TEST(Newton, ForcesWithoutEnergyAreJudgedByTheirWorkAlongTheStep) {
   }
 }
 
-TEST(Newton, AFollowerThatDrivesRoundFasterThanTheTangentHoldsIsNotCalledConverged) {
+TEST(Newton, ATooStrongFollowerDoesNotConverge) {
   linear::LinearSolver solver;
   const auto outcome = solve_newton(Swirl(20.0, {1.0, 0.0}), Eigen::Vector2d(0.0, 1.0), solver);
   EXPECT_FALSE(outcome.converged());
 }
 
-TEST(Newton, ShiftedStepsThatCreepAreNoHeadway) {
-  // Downhill all the way to a wall at x = 1, seen through a tangent that needs a shift.
-  const Scalar wall([](double x) { return -x; }, [](double) { return -1.0; },
-                    [](double) { return -1.0; }, [](double x) { return x < 1.0; });
-  const auto outcome = solve(wall, 0.0, {.max_iterations = 1000, .max_backtracks = 1000});
+TEST(Newton, ShiftedStepsWithLittleProgressStagnate) {
+  // The energy decreases up to x = 1, where states become inadmissible; each tangent needs a shift.
+  const Scalar bounded([](double x) { return -x; }, [](double) { return -1.0; },
+                       [](double) { return -1.0; }, [](double x) { return x < 1.0; });
+  const auto outcome = solve(bounded, 0.0, {.max_iterations = 1000, .max_backtracks = 1000});
   EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
-  EXPECT_NE(outcome.reason.find("no headway"), std::string::npos) << outcome.reason;
+  EXPECT_NE(outcome.reason.find("no progress"), std::string::npos) << outcome.reason;
   EXPECT_LE(outcome.iterations(), 25);
 }
 
-TEST(Newton, AStartInEquilibriumNeedsNoIteration) {
+TEST(Newton, AnEquilibriumAsStartNeedsNoIteration) {
   const auto outcome = solve(barrier(), 1.0);
   EXPECT_TRUE(outcome.converged());
   EXPECT_EQ(outcome.iterations(), 0);
   EXPECT_EQ(outcome.history.size(), 1U);
 }
 
-TEST(Newton, StopsAtMostIterationsWithASentence) {
+TEST(Newton, StopsAtMaxIterationsWithAMessage) {
   const auto outcome = solve(barrier(), 0.01, {.max_iterations = 2});
   EXPECT_EQ(outcome.stop, NewtonStop::kTooManyIterations);
   EXPECT_EQ(outcome.iterations(), 2);
   EXPECT_NE(outcome.reason.find("not converged after 2 iterations: |r| is"), std::string::npos)
       << outcome.reason;
-  EXPECT_GT(outcome.x[0], 0.01);  // The best so far is kept.
+  EXPECT_GT(outcome.x[0], 0.01);  // The last state is returned.
 }
 
-TEST(Newton, StopsWhereNoStepLeadsDownhill) {
-  // The slope lies about the energy.
-  const Scalar liar([](double x) { return -x; }, [](double) { return 1.0; },
-                    [](double) { return 1.0; });
-  const auto outcome = solve(liar, 0.0);
+TEST(Newton, StopsWhereNoStepIsAcceptable) {
+  // The slope has the wrong sign.
+  const Scalar inconsistent([](double x) { return -x; }, [](double) { return 1.0; },
+                            [](double) { return 1.0; });
+  const auto outcome = solve(inconsistent, 0.0);
   EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
-  EXPECT_NE(outcome.reason.find("no step leads downhill"), std::string::npos);
+  EXPECT_NE(outcome.reason.find("no step along the search direction"), std::string::npos);
 }
 
-TEST(Newton, StopsWhenManyStepsMakeNoHeadway) {
-  // Energy says nothing (all below round-off) and |r| falls ever so little.
+TEST(Newton, StopsAfterManyStepsWithoutProgress) {
+  // The energy is within round-off, and |r| decreases very little.
   const Scalar slow([](double) { return 0.0; }, [](double x) { return 1e-9 * (1.0 + 1e-3 * x); },
                     [](double) { return 1e-9; });
   const auto outcome = solve(slow, 0.0,
@@ -251,7 +251,7 @@ TEST(Newton, StopsWhenManyStepsMakeNoHeadway) {
                               .max_iterations = 1000,
                               .stagnation_iterations = 5});
   EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
-  EXPECT_NE(outcome.reason.find("no headway for 5 iterations"), std::string::npos)
+  EXPECT_NE(outcome.reason.find("no progress for 5 iterations"), std::string::npos)
       << outcome.reason;
 }
 
@@ -274,7 +274,7 @@ TEST(Newton, NaNNeverConverges) {
   const Scalar nan_energy([](double) { return kNan; }, [](double) { return 0.0; },
                           [](double) { return 1.0; });
   EXPECT_EQ(solve(nan_energy, 0.0).stop, NewtonStop::kInadmissibleStart);
-  // NaN anywhere but at the start: never stepped on.
+  // NaN everywhere except at the start: no step is accepted.
   const Scalar island([](double x) { return x == 0.0 ? 0.0 : kNan; }, [](double) { return 1.0; },
                       [](double) { return 1.0; });
   const auto outcome = solve(island, 0.0);
@@ -284,14 +284,14 @@ TEST(Newton, NaNNeverConverges) {
 
 class StopAfter final : public Progress {
  public:
-  explicit StopAfter(int questions) : left_(questions) {}
+  explicit StopAfter(int calls) : left_(calls) {}
   bool stop_requested() const override { return left_-- <= 0; }
 
  private:
   mutable int left_;
 };
 
-TEST(Newton, LackOfMemoryIsNoVerdictOnThePhysics) {
+TEST(Newton, LackOfMemoryIsReported) {
   linear::LinearSolver solver(test::little_memory());
   const auto outcome = solve_newton(barrier(), VectorX::Constant(1, 0.5), solver);
   EXPECT_EQ(outcome.stop, NewtonStop::kOutOfMemory);
@@ -299,7 +299,7 @@ TEST(Newton, LackOfMemoryIsNoVerdictOnThePhysics) {
       << outcome.reason;
 }
 
-TEST(Newton, StopsWhenAsked) {
+TEST(Newton, StopsOnRequest) {
   StopAfter at_once(0);
   const auto first = solve(barrier(), 0.5, {}, at_once);
   EXPECT_EQ(first.stop, NewtonStop::kCancelled);
@@ -323,6 +323,9 @@ TEST(Newton, NamesTheOptionThatIsOutOfRange) {
   EXPECT_NE(message_of({.max_backtracks = -1}).find("max_backtracks"), std::string::npos);
   EXPECT_NE(message_of({.sufficient_decrease = 0.5}).find("sufficient"), std::string::npos);
   EXPECT_NE(message_of({.stagnation_iterations = 0}).find("stagnation"), std::string::npos);
+  EXPECT_NE(message_of({.max_linear_tolerance = 1.0}).find("max_linear"), std::string::npos);
+  EXPECT_NE(message_of({.min_linear_tolerance = 0.1}).find("min_linear"), std::string::npos);
+  EXPECT_NE(message_of({.max_diagonal_shift = -1.0}).find("max_diagonal"), std::string::npos);
   EXPECT_THROW((void)solve(barrier(), 0.5, {.max_iterations = 0}), LogicError);
 }
 

@@ -1,4 +1,4 @@
-/// What elements of all shapes must do alone and side by side: the patch test.
+/// Patch test of elements of all shapes, single and mixed.
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/faces/all_faces.h>
 #include <lefort/mesh/box_grid.h>
@@ -31,7 +31,7 @@ VolumeMesh distorted_mix(BoxMix mix) {
                                       Vec3::Constant(0.15), random);
 }
 
-/// A deformation gradient minus one: large strain and a turn.
+/// F - I with large strain and a rotation.
 Mat3 large_strain() {
   Mat3 A;
   A << 0.30, 0.15, -0.12, 0.23, -0.18, 0.14, -0.16, 0.12, 0.22;
@@ -69,7 +69,7 @@ void add_area(const mesh::Face& face, std::span<const Vec3> X_L, Eigen::Matrix3X
       face_of(face.shape));
 }
 
-TEST_P(Patch, AnAffineDeformationStoresItsEnergyAndPullsOnTheSidesAlone) {
+TEST_P(Patch, AnAffineDeformationHasItsEnergyAndForcesOnTheBoundaryOnly) {
   const VolumeMesh mesh = distorted_mix(GetParam());
   const test::Body body(mesh, {{0, kLaw}}, {});
   const Mat3 F = Mat3::Identity() + large_strain();
@@ -77,7 +77,7 @@ TEST_P(Patch, AnAffineDeformationStoresItsEnergyAndPullsOnTheSidesAlone) {
   ASSERT_TRUE(forces.has_value());
   EXPECT_NEAR(forces->energy_mj, kSize_mm.prod() * kLaw.energy(F), 1e-12 * forces->energy_mj);
   const Mat3 P = kLaw.stress(F);
-  // Each node of the boundary carries P times the area vectors around it.
+  // The force on a boundary node is P times the area vectors around it.
   Eigen::Matrix3Xd area = Eigen::Matrix3Xd::Zero(3, mesh.node_count());
   for (const mesh::Face& face : mesh.face_sets.at("boundary")) add_area(face, mesh.nodes_L, area);
   for (Index n = 0; n < mesh.node_count(); ++n)
@@ -96,9 +96,9 @@ TEST_P(Patch, ARigidMotionCausesNoForce) {
   }
 }
 
-/// Also where edges inside are bent: the rules of hex20 and wedge15 are exact for that. The
-/// tet10's four points are not.
-TEST(PatchOfBentElements, UniformStressIsInEquilibrium) {
+/// With curved interior edges, too: the rules of hex20 and wedge15 are exact for them, the four
+/// points of tet10 are not.
+TEST(PatchOfCurvedElements, UniformStressIsInEquilibrium) {
   VolumeMesh mesh = distorted_mix(BoxMix::kHex20Wedge15);
   std::vector<char> is_boundary(mesh.nodes_L.size(), 0);
   for (const std::int32_t node : mesh.node_sets.at("boundary")) is_boundary[std::size_t(node)] = 1;
@@ -114,7 +114,7 @@ TEST(PatchOfBentElements, UniformStressIsInEquilibrium) {
     }
 }
 
-/// An element alone can only turn and shift without energy: no other mode of zero stiffness.
+/// A single element has zero energy in rigid motions only.
 class SingleElement : public testing::TestWithParam<ElementShape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, SingleElement, testing::ValuesIn(test::kAllElements),
                          test::shape_name);

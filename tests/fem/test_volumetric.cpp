@@ -22,7 +22,7 @@ TEST(Volumetric, MatchesItsFormulas) {
   }
 }
 
-TEST(Volumetric, SlopeAndCurvatureAreDerivatives) {
+TEST(Volumetric, FirstAndSecondDerivativeAreThoseOfTheEnergy) {
   constexpr double kStep = 1e-5;
   for (const VolumetricForm form : kForms) {
     const Volumetric volume{form, 4.0};
@@ -41,7 +41,7 @@ TEST(Volumetric, SlopeAndCurvatureAreDerivatives) {
 TEST(Volumetric, EveryFormIsHalfKappaTimesTheSquareOfASmallChange) {
   for (const VolumetricForm form : kForms) {
     const Volumetric volume{form, 4.0};
-    // The third derivative at J = 1, over kappa.
+    // The third derivative at J = 1, divided by kappa.
     const double third = form == VolumetricForm::kQuadratic      ? 0.0
                          : form == VolumetricForm::kQuadraticLog ? -1.0
                                                                  : -3.0;
@@ -53,15 +53,15 @@ TEST(Volumetric, EveryFormIsHalfKappaTimesTheSquareOfASmallChange) {
   }
 }
 
-TEST(Volumetric, TheSeriesOfASmallChangeMeetsTheLogarithm) {
+TEST(Volumetric, TheSeriesOfASmallChangeMatchesTheLogarithm) {
   const Volumetric volume{VolumetricForm::kQuadraticLog, 4.0};
-  for (const double change : {-0.1, 0.1}) {  // Where the series ends.
+  for (const double change : {-0.1, 0.1}) {  // Where the series is replaced by the logarithm.
     const double within = volume.energy_minus_one(change * (1.0 - 1e-15));
     EXPECT_NEAR(within, volume.energy_minus_one(change), 2e-14 * within);
   }
 }
 
-TEST(Volumetric, RefusesABulkModulusThatIsNotPositive) {
+TEST(Volumetric, RejectsABulkModulusThatIsNotPositive) {
   for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity()}) {
     const auto result = Volumetric{VolumetricForm::kQuadratic, bad}.validate();

@@ -1,4 +1,4 @@
-/// What elements of laws in split form must do when they average the change of volume.
+/// Properties of elements with decoupled laws that average the change of volume.
 #include <lefort/core/parallel.h>
 #include <lefort/fem/assembly/element_state.h>
 #include <lefort/fem/assembly/element_term.h>
@@ -39,11 +39,11 @@ VectorX shaken(const mesh::VolumeMesh& mesh, double reach_mm, unsigned seed) {
   return VectorX::NullaryExpr(3 * mesh.node_count(), [&] { return reach_mm * random.number(); });
 }
 
-class Dilatations : public testing::TestWithParam<ElementShape> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, Dilatations, testing::ValuesIn(test::kAllElements),
+class VolumetricIntegrations : public testing::TestWithParam<ElementShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, VolumetricIntegrations, testing::ValuesIn(test::kAllElements),
                          test::shape_name);
 
-TEST_P(Dilatations, ForcesAndTangentAreDerivativesOfTheEnergy) {
+TEST_P(VolumetricIntegrations, ForcesAndTangentAreDerivativesOfTheEnergy) {
   const auto mesh = box_mesh({.cells = {1, 2, 1}, .size_mm = {2, 3, 2}, .shape = GetParam()});
   const test::Body body(mesh, {{0, kModerate}}, {});
   const VectorX u = shaken(mesh, 0.06, 1);
@@ -61,8 +61,8 @@ TEST_P(Dilatations, ForcesAndTangentAreDerivativesOfTheEnergy) {
   }
 }
 
-TEST_P(Dilatations, TheConvexTangentLeavesOutWhatPressureTurnsAlone) {
-  // At rest there is no pressure; under pressure both differ.
+TEST_P(VolumetricIntegrations, ThePsdProjectedTangentOmitsTheGeometricPartOfThePressure) {
+  // Without pressure both are equal; under pressure they differ.
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const test::Body body(mesh, {{0, kModerate}}, {});
   const auto difference = [&](const VectorX& u) {
@@ -72,7 +72,7 @@ TEST_P(Dilatations, TheConvexTangentLeavesOutWhatPressureTurnsAlone) {
   EXPECT_GT(difference(affine(mesh, 0.1 * Mat3::Identity(), Vec3::Zero())), 0.1);
 }
 
-TEST_P(Dilatations, AnAffineDeformationStoresTheLawsEnergy) {
+TEST_P(VolumetricIntegrations, AnAffineDeformationHasTheEnergyOfTheLaw) {
   const auto mesh =
       box_mesh({.cells = {3, 2, 2}, .size_mm = {4, 3, 2}, .distortion = 0.15, .shape = GetParam()});
   const test::Body body(mesh, {{0, kModerate}}, {});
@@ -84,7 +84,7 @@ TEST_P(Dilatations, AnAffineDeformationStoresTheLawsEnergy) {
   EXPECT_NEAR(forces->energy_mj, expected, 1e-11 * expected);
 }
 
-TEST_P(Dilatations, ARigidMotionCausesNoForce) {
+TEST_P(VolumetricIntegrations, ARigidMotionCausesNoForce) {
   const test::Body body(box_mesh({.cells = {2, 2, 2}, .distortion = 0.15, .shape = GetParam()}),
                         {{0, kNearlyIncompressible}}, {});
   test::RandomDeformation random(5);
@@ -97,7 +97,7 @@ TEST_P(Dilatations, ARigidMotionCausesNoForce) {
   }
 }
 
-TEST_P(Dilatations, PatchTestReproducesAnAffineDisplacement) {
+TEST_P(VolumetricIntegrations, PatchTestReproducesAnAffineDisplacement) {
   const auto mesh =
       box_mesh({.cells = {3, 3, 3}, .size_mm = {3, 3, 3}, .distortion = 0.19, .shape = GetParam()});
   Mat3 A;
@@ -111,7 +111,7 @@ TEST_P(Dilatations, PatchTestReproducesAnAffineDisplacement) {
   EXPECT_LT((outcome.x - expected).lpNorm<Eigen::Infinity>(), 1e-11);
 }
 
-/// How many directions of motion cost much more than shear does, and how many cost nothing.
+/// Number of modes much stiffer than shear, and of modes without stiffness.
 struct Stiffness {
   int stiff = 0;
   int free = 0;
@@ -130,7 +130,7 @@ Stiffness stiffness_of(const mesh::VolumeMesh& mesh, VolumetricIntegration volum
   return found;
 }
 
-TEST_P(Dilatations, VolumeIsResistedInAsManyWaysAsThereAreMeansAndOnlyRigidMotionsAreFree) {
+TEST_P(VolumetricIntegrations, ThereAreAsManyVolumetricModesAsAveragesAndOnlyRigidModesAreFree) {
   const ElementShape shape = GetParam();
   const auto mesh = box_mesh({.cells = {2, 2, 2}, .size_mm = {2, 2, 2}, .shape = shape});
   const Index means = std::visit(
@@ -147,7 +147,7 @@ TEST_P(Dilatations, VolumeIsResistedInAsManyWaysAsThereAreMeansAndOnlyRigidMotio
   EXPECT_LT(averaged.stiff, pointwise.stiff);
 }
 
-TEST_P(Dilatations, AnElementInsideOutIsNotAdmissible) {
+TEST_P(VolumetricIntegrations, AnInvertedElementIsInadmissible) {
   const auto mesh = box_mesh({.cells = {2, 1, 1}, .shape = GetParam()});
   const test::Body body(mesh, {{0, kModerate}}, {});
   VectorX u = body.at_rest();
@@ -158,7 +158,7 @@ TEST_P(Dilatations, AnElementInsideOutIsNotAdmissible) {
   EXPECT_FALSE(body.assembler.forces(u).has_value());
 }
 
-TEST_P(Dilatations, AskedAtThePointsTheLawIsWhole) {
+TEST_P(VolumetricIntegrations, WithFullIntegrationTheLawIsWhole) {
   const auto mesh = box_mesh({.cells = {2, 1, 1}, .distortion = 0.1, .shape = GetParam()});
   const test::Body pointwise(mesh, {{0, kModerate}}, {}, {},
                              VolumetricIntegration::kFullIntegration);
@@ -169,7 +169,7 @@ TEST_P(Dilatations, AskedAtThePointsTheLawIsWhole) {
   EXPECT_GT(whole, 1.02 * averaged.assembler.forces(u)->energy_mj);
 }
 
-TEST_P(Dilatations, OtherLawsDoNotCareAndMayStandBeside) {
+TEST_P(VolumetricIntegrations, OtherLawsAreUnaffectedAndMayBeMixed) {
   auto mesh = box_mesh({.cells = {2, 1, 1}, .shape = GetParam()});
   const NeoHookean other{.mu_mpa = 0.5, .lambda_mpa = 2.0};
   const VectorX u = shaken(mesh, 0.03, 7);
@@ -187,7 +187,7 @@ TEST_P(Dilatations, OtherLawsDoNotCareAndMayStandBeside) {
   EXPECT_NEAR(forces->energy_mj, expected, 1e-13);
 }
 
-TEST_P(Dilatations, AveragesDoNotReachOverTheBorderOfARegion) {
+TEST_P(VolumetricIntegrations, AveragesDoNotCrossTheBoundaryOfARegion) {
   auto mesh = box_mesh({.cells = {2, 1, 1}, .shape = GetParam()});
   for (std::size_t e = mesh.blocks[0].region.size() / 2; e < mesh.blocks[0].region.size(); ++e)
     mesh.blocks[0].region[e] = 1;
@@ -199,7 +199,7 @@ TEST_P(Dilatations, AveragesDoNotReachOverTheBorderOfARegion) {
   EXPECT_NEAR(forces->energy_mj, 0.5 * soft.energy(F) + 0.5 * stiff.energy(F), 1e-12);
 }
 
-TEST_P(Dilatations, StatesReportTheStressAndEnergyOfTheAverage) {
+TEST_P(VolumetricIntegrations, StatesReportTheStressAndEnergyOfTheAverage) {
   const auto mesh = box_mesh({.cells = {2, 2, 2}, .shape = GetParam()});
   Mat3 F;
   F << 1.2, 0.1, 0.0, -0.2, 0.9, 0.3, 0.0, 0.1, 1.1;
@@ -209,7 +209,7 @@ TEST_P(Dilatations, StatesReportTheStressAndEnergyOfTheAverage) {
     EXPECT_LT((state.cauchy_mpa - cauchy_stress(law.stress(F), F)).norm(), 1e-12);
     EXPECT_NEAR(state.energy_density_mpa, law.energy(F), 1e-13);
   }
-  // Elements of this box are of one size: their energies add up to the terms'.
+  // The elements of this box have one size: their energies add up to that of the terms.
   const VectorX u = shaken(mesh, 0.01, 8);
   const test::Body body(mesh, {{0, law}}, {});
   const auto states = element_states(mesh, {{0, law}}, u);
@@ -221,7 +221,7 @@ TEST_P(Dilatations, StatesReportTheStressAndEnergyOfTheAverage) {
   EXPECT_GT((states[0].cauchy_mpa - pointwise[0].cauchy_mpa).norm(), 1e-4);
 }
 
-TEST_P(Dilatations, BesideAnElementInsideOutThereIsNoStress) {
+TEST_P(VolumetricIntegrations, NeighborsOfAnInvertedElementHaveNoStress) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const Mat3 mirror = Vec3(-1, 1, 1).asDiagonal();
   const auto states =
@@ -230,7 +230,7 @@ TEST_P(Dilatations, BesideAnElementInsideOutThereIsNoStress) {
   EXPECT_TRUE(std::isnan(states[0].energy_density_mpa));
 }
 
-TEST_P(Dilatations, SameBitsForAnyNumberOfThreads) {
+TEST_P(VolumetricIntegrations, SameBitsForAnyNumberOfThreads) {
   const auto mesh = box_mesh({.cells = {3, 3, 3}, .distortion = 0.1, .shape = GetParam()});
   const VectorX u = shaken(mesh, 0.01, 9);
   const auto with_threads = [&](int threads) {
@@ -247,12 +247,12 @@ TEST_P(Dilatations, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(with_threads(1), with_threads(2));
 }
 
-class MixedDilatations : public testing::TestWithParam<BoxMix> {};
-INSTANTIATE_TEST_SUITE_P(Mixes, MixedDilatations,
+class MixedVolumetricIntegrations : public testing::TestWithParam<BoxMix> {};
+INSTANTIATE_TEST_SUITE_P(Mixes, MixedVolumetricIntegrations,
                          testing::Values(BoxMix::kAllLinear, BoxMix::kHex20Wedge15,
                                          BoxMix::kWedge15Tet10));
 
-TEST_P(MixedDilatations, ShapesSideBySidePassThePatchTest) {
+TEST_P(MixedVolumetricIntegrations, MixedShapesPassThePatchTest) {
   std::mt19937 random(11);
   const auto mesh = mesh::with_inner_nodes_moved(
       mesh::make_mixed_box(GetParam(), {4, 3, 3}, Vec3(4, 3, 3)), Vec3::Constant(0.15), random);
@@ -266,7 +266,7 @@ TEST_P(MixedDilatations, ShapesSideBySidePassThePatchTest) {
   EXPECT_LT((outcome.x - expected).lpNorm<Eigen::Infinity>(), 1e-11);
 }
 
-TEST(AveragedNodalPressure, AroundANodeOfTooManyElementsTheyAreSharedOutOverSeveralPatches) {
+TEST(AveragedNodalPressure, TooManyElementsAroundANodeAreDividedBetweenSeveralPatches) {
   // A fan of 80 tetrahedra around the axis from node 0 to node 1: more nodes than an item may have.
   mesh::VolumeMesh mesh;
   mesh.nodes_L = {Vec3(0, 0, 0), Vec3(0, 0, 1)};
@@ -280,7 +280,7 @@ TEST(AveragedNodalPressure, AroundANodeOfTooManyElementsTheyAreSharedOutOverSeve
   }
   const auto term = AveragedNodalPressure::build(mesh, {{0, kModerate}});
   ASSERT_NE(term, nullptr);
-  // Node 0 lies on a face, all others on edges or corners: two patches around it.
+  // Node 0 is on a face, all others on edges or corners: two patches around node 0.
   EXPECT_EQ(term->item_count(), 2);
   for (Index item = 0; item < term->item_count(); ++item)
     EXPECT_LE(term->nodes(item).size(), std::size_t(kMaxLocalNodes));
@@ -291,14 +291,14 @@ TEST(AveragedNodalPressure, AroundANodeOfTooManyElementsTheyAreSharedOutOverSeve
               volume_mm3 * law_of(0.5, 5.0).energy(F), 1e-12);
 }
 
-TEST(AveragedNodalPressure, MeansAreTakenAroundTheInmostNodesOfEachElement) {
+TEST(AveragedNodalPressure, AveragesAreAroundTheInnermostNodesOfEachElement) {
   for (const ElementShape shape : {ElementShape::kTet4, ElementShape::kWedge6}) {
-    // 27 nodes lie inside; a few elements, at edges and in corners, have none of them.
+    // 27 nodes are interior; a few elements, at edges and in corners, have none of them.
     const auto inner = AveragedNodalPressure::build(
         box_mesh({.cells = {4, 4, 4}, .distortion = 0.15, .shape = shape}), {{0, kModerate}});
     EXPECT_GE(inner->item_count(), 27);
     EXPECT_LT(inner->item_count(), 125 / 2);
-    // One layer: those on its faces take the place of those inside.
+    // In one layer, nodes on faces replace interior nodes.
     const auto layer = AveragedNodalPressure::build(box_mesh({.cells = {4, 4, 1}, .shape = shape}),
                                                     {{0, kModerate}});
     EXPECT_GE(layer->item_count(), 18);
@@ -306,17 +306,18 @@ TEST(AveragedNodalPressure, MeansAreTakenAroundTheInmostNodesOfEachElement) {
   }
 }
 
-TEST(SmoothedShear, TwoWedgesShareTheirStrainAcrossAnUprightFaceAlone) {
+TEST(SmoothedStrain, WedgesAverageStrainAcrossQuadrilateralFacesOnly) {
   const auto items = [](std::array<int, 3> cells) {
     const auto mesh = box_mesh({.cells = cells, .shape = ElementShape::kWedge6});
     return SmoothedStrainTerm::build(mesh, {{0, kModerate}})->item_count();
   };
-  EXPECT_EQ(items({1, 1, 1}), 2 * 5);  // Two triangles have five sides, at two heights.
+  EXPECT_EQ(items({1, 1, 1}), 2 * 5);  // Two triangles have five edges, at two heights.
   EXPECT_EQ(items({2, 1, 1}), 2 * 9);
-  EXPECT_EQ(items({1, 1, 2}), 2 * 2 * 5);  // Layers do not mix.
+  EXPECT_EQ(items({1, 1, 2}), 2 * 2 * 5);  // Layers are separate.
 }
 
-/// The force that bends a beam of one layer, over that of Timoshenko's: L^3 / (3 E I) + L / (k G A)
+/// \returns the bending force of a beam of one layer, relative to Timoshenko's beam: L^3 / (3 E I)
+///   + L / (k G A)
 /// with Cowper's k for a rectangle. The lower edge of the far end is moved by a thousandth of the
 /// length.
 double stiffness_of_one_layer(ElementShape shape, double poisson) {
@@ -343,8 +344,9 @@ double stiffness_of_one_layer(ElementShape shape, double poisson) {
 }
 
 TEST(MeanDilatation, ASingleLayerResistsBending) {
-  // One mean of J alone leaves two thirds of it for tet10 and a hundredth for wedge15. More at the
-  // points would make wedge15 right at any nu, and Cook's membrane worse (docs/theory/locking.md).
+  // With one average of J alone the ratio is two thirds for tet10 and a hundredth for wedge15. A
+  // larger part at the points would be right for wedge15 at any nu, but worse for Cook's membrane
+  // (docs/locking.md).
   for (const double poisson : {0.3, 0.45, 0.4999}) {
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kTet10, poisson), 1.0, 0.1) << poisson;
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kWedge15, poisson),

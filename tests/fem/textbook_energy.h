@@ -1,7 +1,6 @@
 /// \file
-/// The energies of all laws once more, as the textbooks write them: no trick for accuracy, nothing
-/// differentiated by hand, and of any number type: exact derivatives come from Jet, eighty digits
-/// from Boost.
+/// Independent energies of all laws as in the textbooks, without measures for accuracy or
+/// derivatives by hand, for any number type: Jet gives exact derivatives, Boost eighty digits.
 #pragma once
 
 #include <lefort/fem/materials/material.h>
@@ -80,9 +79,9 @@ Matrix<T> inverse(const Matrix<T>& A) {
   return sum(T(1.0) / determinant(A), transpose(cofactors(A)), T(0.0), A);
 }
 
-/// A^(1/2), A symmetric and positive definite, by the iteration of Denman and Beavers. It needs no
-/// principal directions, so equal ones do not trouble it, nor derivatives at them. Quadratic once
-/// near; a Jet's few digits, for moderate strain, come sooner.
+/// A^(1/2) of a symmetric positive definite A, by the iteration of Denman and Beavers. It needs no
+/// principal directions, so that equal stretches and derivatives at them are no special case. It
+/// converges quadratically; the precision of a Jet, at moderate strain, needs fewer iterations.
 template <class T>
 Matrix<T> square_root(const Matrix<T>& A) {
   constexpr int kIterations = std::is_same_v<T, Jet> ? 9 : 30;
@@ -128,7 +127,7 @@ T textbook_energy(const fem::NeoHookean& law, const Matrix<T>& F) {
          T(0.5 * law.lambda_mpa) * log_J * log_J;
 }
 
-/// Hooke's energy in any strain.
+/// Hooke's energy of a given strain.
 template <class T>
 T hooke(double mu, double lambda, const Matrix<T>& strain) {
   return T(mu) * trace(product(strain, strain)) + T(0.5 * lambda) * trace(strain) * trace(strain);
@@ -172,7 +171,8 @@ T trace_of_power(const Matrix<T>& eighth_root, int n) {
   return trace(result);
 }
 
-/// The sum of l_i^alpha is tr C^(alpha/2): no principal stretches needed, for alpha a multiple of
+/// The sum of l_i^alpha is tr C^(alpha/2), which needs no principal stretches; alpha is a multiple
+/// of
 /// 1/4.
 template <class T>
 T textbook_energy(const fem::Ogden& law, const Matrix<T>& F) {
@@ -215,7 +215,7 @@ template <class T>
 T textbook_fiber_strain(const fem::HolzapfelGasserOgden& law, int family, const Matrix<T>& F) {
   const Matrix<T> C = isochoric_cauchy_green(F);
   const Vec3& a = law.fiber[std::size_t(family)];
-  // Over a . a, which is 1 but for its rounding.
+  // Divided by a . a, which is 1 except for rounding.
   const T I4 = form(C, a, a) / form(identity<T>(), a, a);
   return T(law.dispersion) * (trace(C) - T(3.0)) +
          (T(1.0) - T(3.0) * T(law.dispersion)) * (I4 - T(1.0));

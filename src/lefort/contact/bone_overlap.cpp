@@ -11,7 +11,8 @@
 namespace lefort::contact {
 namespace {
 
-/// Vertices, then points on the edges; each edge by the one triangle that runs along it upwards.
+/// Vertices, then points on the edges. Each edge is sampled once: by the triangle that has it in
+/// the direction of ascending vertex numbers.
 std::vector<Vec3> points_of(const SolidBone& bone, double spacing_mm) {
   const geometry::TriangleMesh& mesh = *bone.surface_B;
   std::vector<Vec3> points_L;
@@ -27,7 +28,7 @@ std::vector<Vec3> points_of(const SolidBone& bone, double spacing_mm) {
   return points_L;
 }
 
-/// Depth at each point; 0 outside.
+/// \returns the depth of each point in the bone; 0 outside.
 std::vector<double> depths(const RigidObstacle& bone, std::span<const Vec3> points_L) {
   std::vector<Gap> gaps(points_L.size());
   measure_gaps(bone, points_L, Derivatives::kFirst, gaps);
@@ -40,17 +41,17 @@ std::vector<double> depths(const RigidObstacle& bone, std::span<const Vec3> poin
   return depth_mm;
 }
 
-/// Volume of the box that lies in both bones.
+/// \returns the volume of the part of the box that lies in both bones [mm^3].
 double volume_in_both_mm3(const RigidObstacle& a, const RigidObstacle& b, const Box3& box_L) {
-  constexpr double kFinest_mm = 0.05;
-  constexpr double kPoints = 1e6;
-  const double spacing_mm = std::max(kFinest_mm, std::cbrt(box_L.volume() / kPoints));
+  constexpr double kMinSpacing_mm = 0.05;
+  constexpr double kPoints = 1e6;  // Of the lattice, approximately.
+  const double spacing_mm = std::max(kMinSpacing_mm, std::cbrt(box_L.volume() / kPoints));
   std::array<Index, 3> count{};
   for (int k = 0; k < 3; ++k)
     count[std::size_t(k)] = std::max<Index>(std::lround(box_L.sizes()[k] / spacing_mm), 1);
   const Vec3 step_mm(box_L.sizes().x() / double(count[0]), box_L.sizes().y() / double(count[1]),
                      box_L.sizes().z() / double(count[2]));
-  // Row by row: as many points as memory never minds.
+  // Row by row, to limit memory.
   const Index inside = deterministic_sum(count[1] * count[2], Index(0), [&](Index row) {
     std::vector<Vec3> points_L;
     for (Index i = 0; i < count[0]; ++i)
@@ -74,7 +75,7 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
                edge_spacing_mm > 0.0);
   BoneOverlap overlap;
   Box3 box_L;
-  const auto look = [&](const SolidBone& of, const RigidObstacle& in) {
+  const auto depths_of = [&](const SolidBone& of, const RigidObstacle& in) {
     const std::vector<Vec3> points_L = points_of(of, edge_spacing_mm);
     std::vector<double> depth_mm = depths(in, points_L);
     for (std::size_t i = 0; i < points_L.size(); ++i) {
@@ -82,7 +83,7 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
         depth_mm[i] = 0.0;
         continue;
       }
-      // What lies between two points is no further from one than that.
+      // The overlap may extend to the neighboring samples.
       box_L.extend(points_L[i] - Vec3::Constant(edge_spacing_mm));
       box_L.extend(points_L[i] + Vec3::Constant(edge_spacing_mm));
       if (depth_mm[i] >= in.distance_query_B->max_distance_mm())
@@ -94,8 +95,8 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
     depth_mm.resize(of.surface_B->vertices.size());
     return depth_mm;
   };
-  overlap.depth_mm = look(moved, stationary.obstacle);
-  overlap.depth_of_second_mm = look(stationary, moved.obstacle);
+  overlap.depth_mm = depths_of(moved, stationary.obstacle);
+  overlap.depth_of_second_mm = depths_of(stationary, moved.obstacle);
   if (overlap.overlaps())
     overlap.volume_mm3 = volume_in_both_mm3(moved.obstacle, stationary.obstacle, box_L);
   return overlap;

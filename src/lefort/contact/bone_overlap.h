@@ -1,5 +1,5 @@
 /// \file
-/// Where one bone has been moved into another: told before anything is solved.
+/// Overlap of two bones, measured before the solve.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -10,35 +10,37 @@
 
 namespace lefort::contact {
 
-/// A bone's surface and who tells how far points are from it, both in its own frame.
+/// A bone: its surface and its distance query, both in its own frame.
 struct SolidBone {
   const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
   RigidObstacle obstacle;
 };
 
-/// Where two bones are in each other.
+/// Overlap of a first and a second bone.
 struct BoneOverlap {
-  double volume_mm3 = 0.0;
-  double deepest_mm = 0.0;            ///< 0 if they do not overlap; at most a detector's reach.
-  Vec3 deepest_L = Vec3::Zero();      ///< Where that is.
-  bool depth_is_lower_bound = false;  ///< Somewhere deeper than a detector can tell.
+  double volume_mm3 = 0.0;        ///< Common to both bones.
+  double deepest_mm = 0.0;        ///< 0 without overlap; at most the range of the distance query.
+  Vec3 deepest_L = Vec3::Zero();  ///< Position of that point [mm].
+  bool depth_is_lower_bound = false;  ///< A point lies beyond the range of the distance query.
   std::vector<double> depth_mm;  ///< Of each vertex of the first bone in the second; 0 outside.
-  std::vector<double> depth_of_second_mm;  ///< The other way round.
+  std::vector<double> depth_of_second_mm;  ///< Of each vertex of the second bone in the first.
 
   [[nodiscard]] bool overlaps() const { return deepest_mm > 0.0; }
 };
 
-/// Bones that are less deep in each other touch: what was one bone before a cut, and what is lost
-/// between the samples of a field.
+/// Overlap up to this depth counts as touching. The two sides of a cut touch, and a sampled field
+/// has errors of this size.
 inline constexpr double kTouching_mm = 0.1;
 
-/// Looks for the vertices and edges of each bone in the other: edges at points no further apart
-/// than `edge_spacing_mm`, so that a thin wall which a long triangle cuts is noticed.
+/// Tests the vertices and edges of each bone against the other. Edges are sampled, so that a thin
+/// wall pierced by a long triangle is found.
 ///
-/// The volume is counted on a fine lattice, in the box of all that does more than touch. A
-/// bone that is wholly inside the other beyond its detector's reach counts as that deep.
-/// \param edge_spacing_mm  > 0.
-/// \note Cost: a query per vertex, and per edge spacing; a million or so for the volume.
+/// The volume is counted on a lattice of about a million points, in the bounding box of all points
+/// that do more than touch. A point beyond the range of the distance query counts with that depth.
+/// \param moved            first bone; \pre its surface is not null.
+/// \param stationary       second bone; \pre its surface is not null.
+/// \param edge_spacing_mm  max distance between the samples of an edge, > 0.
+/// \note Cost: one query per vertex, per sample of an edge, and two per lattice point.
 [[nodiscard]] BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
                                           double edge_spacing_mm);
 

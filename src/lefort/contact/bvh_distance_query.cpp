@@ -16,12 +16,12 @@ class BvhDistanceQuery final : public DistanceQuery {
         is_closed_(!geometry::first_unbalanced_edge(surface_B_->mesh())) {}
 
   [[nodiscard]] double max_distance_mm() const override { return max_distance_mm_; }
-  /// It misses nothing; this is what a field of the same reach resolves by default.
+  /// Nothing is missed. This is the resolution of a field with the same band and default options.
   [[nodiscard]] double resolution_mm() const override { return max_distance_mm_ / 5.0; }
   [[nodiscard]] bool is_closed() const override { return is_closed_; }
   [[nodiscard]] bool has_exact_derivatives() const override { return false; }
 
-  void measure(std::span<const Vec3> p_B, Derivatives /*none second*/,
+  void measure(std::span<const Vec3> p_B, Derivatives /*no second ones*/,
                std::span<SignedDistanceSample> answers) const override {
     for (std::size_t i = 0; i < p_B.size(); ++i) answers[i] = measure(p_B[i]);
   }
@@ -32,13 +32,13 @@ class BvhDistanceQuery final : public DistanceQuery {
     if (!p_B.allFinite()) return {.zone = Zone::kUnknown, .distance_mm = max_distance_mm_};
     const geometry::SignedDistance found = surface_B_->signed_distance(p_B);
     if (std::abs(found.distance_mm) > max_distance_mm_) {
-      // Seen from afar the pseudonormal of an open surface does not tell its sides.
+      // Far from an open surface the sign of the pseudonormal is meaningless.
       if (!is_closed_) return {.zone = Zone::kUnknown, .distance_mm = max_distance_mm_};
       return found.distance_mm < 0.0
                  ? SignedDistanceSample{.zone = Zone::kInside, .distance_mm = -max_distance_mm_}
                  : SignedDistanceSample{.zone = Zone::kOutside, .distance_mm = max_distance_mm_};
     }
-    // Where normals cancel in a corner, the way to it is all there is.
+    // In a corner where the normals cancel: the direction from the closest point.
     Vec3 out_B = found.pseudonormal;
     if (!(out_B.norm() > 0.0)) out_B = p_B - found.nearest.point;
     return {.zone = Zone::kBand,

@@ -1,7 +1,14 @@
 /// \file
-/// How far points are from a bone at rest, and which way out leads: one question, three ways to
-/// answer it. Detectors know the bone in its own frame B and never move; a plan moves the question
-/// (measure_gap.h).
+/// Signed distance, gradient and Hessian of a rigid body at points given in its own frame B, by one
+/// of three methods.
+///
+/// | method     | distance                              | derivatives                             |
+/// |------------|---------------------------------------|-----------------------------------------|
+/// | kSmooth    | cubic interpolation of the field, C1  | exact; the Hessian jumps at cell faces  |
+/// | kTrilinear | trilinear interpolation of the field  | exact in a cell; the gradient jumps     |
+/// | kBvh       | closest point of the triangles        | pseudonormal; no Hessian, no potential  |
+///
+/// measure_gap.h transforms points and results of a body that has moved.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,14 +24,14 @@
 
 namespace lefort::contact {
 
-/// Who answers.
+/// Method of a distance query.
 enum class DetectionMethod : std::uint8_t {
-  kSmooth,     ///< The field read cubically: continuously differentiable; its Hessian may jump.
-  kTrilinear,  ///< The field as in the paper, section 2.2. Its gradient jumps at cell faces.
-  kBvh,        ///< A tree of boxes over the triangles; the paper's conventional baseline.
+  kSmooth,     ///< Cubic interpolation of the field: continuously differentiable.
+  kTrilinear,  ///< Trilinear interpolation, as in section 2.2 of the paper.
+  kBvh,        ///< Bounding volume hierarchy; the baseline of the paper.
 };
 
-/// As plans and results call it.
+/// Name in plans and results.
 [[nodiscard]] constexpr std::string_view name_of(DetectionMethod detection) {
   switch (detection) {
     case DetectionMethod::kTrilinear:
@@ -36,22 +43,25 @@ enum class DetectionMethod : std::uint8_t {
   }
 }
 
-/// How far the derivatives of a distance are wanted.
+/// Highest derivatives that a query computes.
 enum class Derivatives : std::uint8_t { kFirst, kSecond };
 
-/// How far a point is from a bone.
+/// Result at one point.
 ///
-/// Beyond a detector's reach `zone` says on which side, the distance is plus or minus the reach and
-/// the derivatives are zero: a point deeper than the detector can tell is seen, but knows no way
-/// out. Where the surface has a hole that does not say, it is kUnknown.
+/// | zone     | where                                       | distance_mm       | derivatives |
+/// |----------|---------------------------------------------|-------------------|-------------|
+/// | kBand    | within max_distance_mm() of the surface     | signed distance   | as queried  |
+/// | kOutside | outside, further away                       | max_distance_mm() | zero        |
+/// | kInside  | inside, further away                        | its negative      | zero        |
+/// | kUnknown | near a hole of the surface, or not finite   | not defined       | zero        |
 struct SignedDistanceSample {
   field::Zone zone = field::Zone::kOutside;
-  double distance_mm = 0.0;        ///< Negative is penetration.
-  Vec3 gradient_B = Vec3::Zero();  ///< Out of the bone; of length one but for sampling.
-  Mat3 hessian_B = Mat3::Zero();   ///< Of distance_mm [1/mm]; zero unless asked for.
+  double distance_mm = 0.0;        ///< Negative inside.
+  Vec3 gradient_B = Vec3::Zero();  ///< Outward; of unit length except for sampling errors.
+  Mat3 hessian_B = Mat3::Zero();   ///< Of distance_mm [1/mm]; zero if not computed.
 };
 
-/// Immutable; safe to ask from many threads.
+/// Distance of points to one body. Immutable and thread-safe.
 class DistanceQuery {
  public:
   DistanceQuery() = default;
@@ -59,39 +69,44 @@ class DistanceQuery {
   DistanceQuery(const DistanceQuery&) = delete;
   DistanceQuery& operator=(const DistanceQuery&) = delete;
 
-  /// Up to this far from the surface, on both sides, every point has a distance [mm].
+  /// \returns the range: up to this distance from the surface, on both sides, every point has a
+  ///   distance [mm].
   [[nodiscard]] virtual double max_distance_mm() const = 0;
 
-  /// What is thinner may be missed [mm].
+  /// \returns the size below which parts of the body may be missed [mm].
   [[nodiscard]] virtual double resolution_mm() const = 0;
 
-  /// Whether the surface encloses a volume, so that there is an inside.
+  /// \returns whether the surface encloses a volume.
   [[nodiscard]] virtual bool is_closed() const = 0;
 
-  /// Whether gradient_B is the derivative of distance_mm, and hessian_B of gradient_B, wherever
-  /// they exist. If not, a force along the gradient has no potential.
+  /// \returns whether gradient_B is the derivative of distance_mm, and hessian_B that of
+  ///   gradient_B, wherever they exist. If not, a force along the gradient has no potential.
   [[nodiscard]] virtual bool has_exact_derivatives() const = 0;
 
-  /// Answers for many points, on the calling thread.
+  /// Measures many points, on the calling thread.
   ///
-  /// \param p_B      [mm]; one that is not finite is kUnknown.
-  /// \param answers  as many as points.
+  /// \param p_B          points [mm]; a point that is not finite is kUnknown.
+  /// \param derivatives  that are computed.
+  /// \param answers      one per point.
   virtual void measure(std::span<const Vec3> p_B, Derivatives derivatives,
                        std::span<SignedDistanceSample> answers) const = 0;
 };
 
-/// Asks the field. The second derivatives of the trilinear reading are those within a cell.
+/// Distance query by interpolation of a field. The second derivatives of kTrilinear are those
+/// within a cell.
 ///
+/// \param field_B    \pre not null.
 /// \param detection  kSmooth or kTrilinear.
-/// \returns kInvalidArgument if the smooth reading is wanted of a field that was built without.
+/// \returns kInvalidArgument for kSmooth if the field was built without smooth interpolation.
 [[nodiscard]] Result<std::shared_ptr<const DistanceQuery>> field_distance_query(
     std::shared_ptr<const field::DistanceField> field_B, DetectionMethod detection);
 
-/// Asks the tree: the exact nearest point, its sign and normal by the pseudonormal of the feature
-/// it lies on (\cite baerentzen2005). That normal is the distance's gradient before faces alone:
-/// before an edge or a corner it does not turn as the point passes. No second derivatives.
+/// Distance query by the closest point on the triangles. Sign and normal are those of the
+/// pseudonormal of the closest face, edge or vertex (\cite baerentzen2005). It equals the gradient
+/// of the distance only where the closest point is inside a face. No second derivatives.
 ///
-/// \param max_distance_mm  > 0; the tree itself knows no end.
+/// \param surface_B        \pre not null.
+/// \param max_distance_mm  range of the query, > 0.
 [[nodiscard]] std::shared_ptr<const DistanceQuery> bvh_distance_query(
     std::shared_ptr<const geometry::Bvh> surface_B, double max_distance_mm);
 

@@ -7,8 +7,8 @@
 namespace lefort::contact {
 namespace {
 
-/// Gaps are no polynomials, and the denser the points the less an edge slips between them: six
-/// points of a triangle, of degree 4 (\cite dunavant1985), and 3 x 3 of a quadrilateral.
+/// Six points in a triangle, of degree 4 (\cite dunavant1985), and 3 x 3 in a quadrilateral. The
+/// gap is not a polynomial; dense points keep an edge of the bone from passing between them.
 template <class Shape>
 FaceQuadrature rule_of() {
   FaceQuadrature rule;
@@ -18,7 +18,7 @@ FaceQuadrature rule_of() {
       point.weight = known.weight;
       for (int a = 0; a < Shape::kNodes; ++a) point.N[std::size_t(a)] = known.N[a];
       point.dN_dxi.template leftCols<Shape::kNodes>() = known.dN_dxi;
-      rule.reach = std::max(rule.reach, known.N.cwiseAbs().sum());
+      rule.displacement_bound = std::max(rule.displacement_bound, known.N.cwiseAbs().sum());
     }
   };
   if constexpr (mesh::corner_count(Shape::kShape) == 3)
@@ -28,7 +28,7 @@ FaceQuadrature rule_of() {
   return rule;
 }
 
-/// A node alone.
+/// One point at a node.
 FaceQuadrature node_rule() {
   FaceQuadrature rule;
   rule.points.emplace_back().weight = 1.0;

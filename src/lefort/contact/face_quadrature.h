@@ -1,5 +1,5 @@
 /// \file
-/// The points of a face of tissue at which contact asks for its gap, and what each stands for.
+/// Quadrature of the contact potential over a face of the tissue.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -15,35 +15,40 @@ namespace lefort::contact {
 
 inline constexpr std::size_t kMaxFaceNodes = 8;
 
-/// A point of a reference face.
+/// A point of the reference face, with weight, shape functions and their derivatives.
 struct QuadraturePoint {
   double weight = 0.0;
   std::array<double, kMaxFaceNodes> N{};
   Eigen::Matrix<double, 2, kMaxFaceNodes> dN_dxi = Eigen::Matrix<double, 2, kMaxFaceNodes>::Zero();
 };
 
-/// Where a face of one shape is asked for its gap.
+/// Quadrature rule of one face shape.
 struct FaceQuadrature {
   std::vector<QuadraturePoint> points;
-  double reach = 1.0;  ///< How much further a point may move than the nodes do, at most.
+  /// Max of sum_a |N_a|: no point moves further than this times the largest nodal displacement.
+  double displacement_bound = 1.0;
 };
 
-/// Of points in a rule, at most.
+/// Max number of points of a rule.
 inline constexpr std::size_t kMaxPoints = 9;
 
-/// \param number  of a FaceShape; kNodeRule for a node alone.
+/// Number of the rule of a single node.
 inline constexpr std::uint8_t kNodeRule = 4;
+
+/// \param number  of a mesh::FaceShape, or kNodeRule.
 [[nodiscard]] const FaceQuadrature& face_quadrature(std::size_t number);
 
-/// The part of a face that its a-th node stands for: that of a corner in the face, or in the
-/// smaller ones that middle nodes cut it into. All positive, and exact for forces that vary
-/// linearly.
+/// Fraction of the area of a face that is lumped at its a-th node. A face with mid-edge nodes is
+/// divided into linear faces between its nodes. All fractions are positive, and the lumped forces
+/// are exact for a pressure that varies linearly.
 [[nodiscard]] double lumped_weight(mesh::FaceShape shape, std::size_t a);
 
-/// Where a point is, the nodes of its face being at x.
+/// \param x_L  nodes of the face [mm].
+/// \returns the position of a point of the face.
 [[nodiscard]] Vec3 interpolate(const QuadraturePoint& point, std::span<const Vec3> x_L);
 
-/// The area a point stands for.
+/// \param x_L  nodes of the face [mm].
+/// \returns the area that a point stands for: its weight times the area element [mm^2].
 [[nodiscard]] double area_mm2(const QuadraturePoint& point, std::span<const Vec3> x_L);
 
 }  // namespace lefort::contact

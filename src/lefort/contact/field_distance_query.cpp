@@ -13,17 +13,17 @@ using field::DistanceField;
 using field::FieldSample;
 using field::SmoothSample;
 
-/// Points asked for at once: as many as the stack holds with ease.
+/// Points per query of the field; limits the memory on the stack.
 constexpr std::size_t kBlock = 64;
 
 /// Second derivatives of the trilinear interpolant [1/mm]. Along one axis its gradient is linear
-/// within a cell, so that a difference across the finest cell around a point is exact; the pure
-/// derivatives are zero. Two axes tell all three mixed ones.
+/// within a cell, so that a difference across the finest cell around a point is exact. The pure
+/// derivatives are zero; differences along two axes give all three mixed ones.
 class TrilinearHessians {
  public:
-  /// \param points_B  at most kBlock.
+  /// \param points_B  at most kBlock points [mm].
   TrilinearHessians(const DistanceField& field, std::span<const Vec3> points_B) {
-    constexpr double kInset = 0.01;  // Of a cell: stays clear of its neighbors.
+    constexpr double kInset = 0.01;  // Of a cell: keeps the ends inside the cell.
     const field::FieldFrame& frame = field.frame();
     std::array<Vec3, 4 * kBlock> ends_B;
     for (std::size_t i = 0; i < points_B.size(); ++i)
@@ -41,7 +41,7 @@ class TrilinearHessians {
     across_mm_ = (1.0 - 2.0 * kInset) * frame.cell_mm;
   }
 
-  /// Zero where an end lies beyond the band.
+  /// \returns the Hessian at a point; zero where an end of a difference lies beyond the band.
   [[nodiscard]] Mat3 of(std::size_t point) const {
     Mat3 hessian_B = Mat3::Zero();
     for (int axis = 0; axis < 2; ++axis) {
@@ -81,7 +81,7 @@ class FieldDistanceQuery : public DistanceQuery {
 class TrilinearDistanceQuery final : public FieldDistanceQuery {
  public:
   using FieldDistanceQuery::FieldDistanceQuery;
-  /// It needs all samples around a point.
+  /// All samples around a point are needed.
   [[nodiscard]] double max_distance_mm() const override { return field_B().guaranteed_mm(); }
 
   void measure(std::span<const Vec3> p_B, Derivatives derivatives,
@@ -108,7 +108,7 @@ class TrilinearDistanceQuery final : public FieldDistanceQuery {
 class SmoothDistanceQuery final : public FieldDistanceQuery {
  public:
   using FieldDistanceQuery::FieldDistanceQuery;
-  /// The spline answers as far as the field is sampled.
+  /// The spline is defined wherever the field is sampled.
   [[nodiscard]] double max_distance_mm() const override { return field_B().band_mm(); }
 
   void measure(std::span<const Vec3> p_B, Derivatives derivatives,
@@ -133,9 +133,10 @@ Result<std::shared_ptr<const DistanceQuery>> field_distance_query(
   if (detection == DetectionMethod::kTrilinear)
     return std::make_shared<TrilinearDistanceQuery>(std::move(field_B));
   if (!field_B->is_smooth())
-    return fail(ErrorCode::kInvalidArgument,
-                "the field was built without --smooth; build it anew with it, or choose detection "
-                "trilinear");
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "the field was built without --smooth; rebuild it with --smooth, or choose detection "
+        "trilinear");
   return std::make_shared<SmoothDistanceQuery>(std::move(field_B));
 }
 

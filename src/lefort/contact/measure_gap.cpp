@@ -8,7 +8,7 @@
 namespace lefort::contact {
 namespace {
 
-/// Points whose answers fit into the nearest cache.
+/// Points per query: their results fit into the first-level cache.
 constexpr std::size_t kPointsPerTask = 32;
 
 void measure_here(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,

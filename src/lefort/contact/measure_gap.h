@@ -1,5 +1,5 @@
 /// \file
-/// How far points of the tissue are from a moved bone, and in which direction out lies.
+/// Gap of tissue points to a rigid body at its pose.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -9,24 +9,27 @@
 
 namespace lefort::contact {
 
-/// What the obstacle's detector says of a point, turned into the patient's frame; see
-/// SignedDistanceSample.
+/// A SignedDistanceSample in the frame of the patient. The table of zones there applies.
 struct Gap {
   field::Zone zone = field::Zone::kOutside;
-  double gap_mm = 0.0;             ///< Signed distance; negative is penetration.
-  Vec3 gradient_L = Vec3::Zero();  ///< Of gap_mm, out of the bone; of length one but for sampling.
-  Mat3 hessian_L = Mat3::Zero();   ///< Of gap_mm [1/mm]; zero unless asked for.
+  double gap_mm = 0.0;  ///< Signed distance; negative means penetration.
+  Vec3 gradient_L =
+      Vec3::Zero();  ///< Of gap_mm; outward, of unit length except for sampling errors.
+  Mat3 hessian_L = Mat3::Zero();  ///< Of gap_mm [1/mm]; zero if not computed.
 };
 
-/// Measures many points at once [mm], in parallel where they are many. A point alone gets the same
-/// bits as among others.
+/// Measures many points, in parallel if there are more than kParallelBlock. The points are
+/// transformed into the frame of the body and the results back. The result at a point does not
+/// depend on the other points.
 ///
-/// \param gaps  as many as points.
-/// \note The bone never moves: the points go to its frame, the answers come back.
+/// \param obstacle     the body at its pose.
+/// \param p_L          points [mm].
+/// \param derivatives  that are computed.
+/// \param gaps         one per point.
 void measure_gaps(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
                   std::span<Gap> gaps);
 
-/// One point [mm].
+/// Measures one point [mm]; parameters as above.
 [[nodiscard]] Gap measure_gap(const RigidObstacle& obstacle, const Vec3& p_L,
                               Derivatives derivatives = Derivatives::kSecond);
 

@@ -9,10 +9,10 @@ Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& he
   const double p = pressure_mpa(depth_mm, penalty);
   if (!(p > 0.0)) return Mat3::Zero();
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(Mat3(-p * hessian));
-  const Vec3 kept = eigen.eigenvalues().cwiseMax(0.0);
+  const Vec3 projected = eigen.eigenvalues().cwiseMax(0.0);
   const Mat3& axes = eigen.eigenvectors();
   return 2.0 * penalty.stiffness_mpa_per_mm * gradient * gradient.transpose() +
-         axes * kept.asDiagonal() * axes.transpose();
+         axes * projected.asDiagonal() * axes.transpose();
 }
 
 }  // namespace lefort::contact

@@ -1,46 +1,54 @@
 /// \file
-/// Frictionless contact as a potential of the depth d (\cite lefort-paper, section 2.3).
+/// Frictionless contact as a potential of the penetration increase d (\cite lefort-paper, section
+/// 2.3).
 ///
-///   phi(d) = k_c d^2 for d > 0, else 0      (2)   energy per area of the surface at rest
-///   f      = -d phi / d x = 2 k_c d n             traction on the tissue, out of the bone
+///   phi(d) = k_c d^2 for d > 0, else 0      (2)   energy per area of the reference surface
+///   f      = -d phi / d x = 2 k_c d n             traction on the tissue, outward from the bone
 ///
-/// A penalty gives way. With a multiplier lambda >= 0, the pressure that holds without depth
-/// (augmented Lagrangian; \cite wriggers2006, section 5.3.3), it need not:
+/// The pure penalty leaves residual penetration. The augmented Lagrangian has a multiplier
+/// lambda >= 0, a contact pressure that needs no penetration (\cite wriggers2006, section 5.3.3):
 ///
 ///   p(d)   = lambda + 2 k_c d                     pressure; no contact if not positive
 ///   phi(d) = (max(p, 0)^2 - lambda^2) / (4 k_c)   phi' = max(p, 0); (2) if lambda = 0
 ///
-/// With d = -g(x), g the gap:  d2 phi / dx2 = 2 k_c grad g (x) grad g - p Hess g. The second part
-/// is what keeps Newton quadratic on curved bone. Where the bone bulges it is negative, as tissue
-/// pressed on a bulge wants to slide off: psd_projected_hessian() leaves that out.
+/// With d = g_0 - g(x), g the gap:
+///
+///   d2 phi / dx2 = 2 k_c grad g (x) grad g - p Hess g
+///
+/// The second term is needed for quadratic convergence on curved bone. On convex bone it is
+/// negative: the tissue tends to slide off. psd_projected_hessian() omits the negative part.
 #pragma once
 
 #include <lefort/core/types.h>
 
 namespace lefort::contact {
 
-/// phi and its derivatives by the point's position, in the frame of the gap's derivatives.
+/// phi and its derivatives by the position of the point, in the frame of the derivatives of the
+/// gap.
 struct PenaltyResponse {
   double energy_mj_per_mm2 = 0.0;
   Vec3 gradient_mpa = Vec3::Zero();  ///< Minus the traction on the tissue.
   Mat3 hessian_mpa_per_mm = Mat3::Zero();
 };
 
-/// What holds a point of the tissue off the bone.
+/// Parameters of the potential at one point.
 struct PenaltyParameters {
   double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
   double multiplier_mpa = 0.0;        ///< lambda >= 0.
 };
 
-/// p(d), 0 without contact; also where the depth is not a number.
+/// \param depth_mm  d.
+/// \returns p(d) [MPa]; 0 without contact, or if d is NaN.
 [[nodiscard]] inline double pressure_mpa(double depth_mm, const PenaltyParameters& penalty) {
   const double p = penalty.multiplier_mpa + 2.0 * penalty.stiffness_mpa_per_mm * depth_mm;
   return p > 0.0 ? p : 0.0;
 }
 
-/// \param depth_mm   d.
-/// \param gradient   of the gap g, so minus that of d.
-/// \param hessian    of the gap g [1/mm].
+/// \param depth_mm  d.
+/// \param gradient  of the gap g; that of d is its negative.
+/// \param hessian   of the gap g [1/mm].
+/// \param penalty   k_c and lambda of the point.
+/// \returns phi and its derivatives.
 [[nodiscard]] inline PenaltyResponse penalty_response(double depth_mm, const Vec3& gradient,
                                                       const Mat3& hessian,
                                                       const PenaltyParameters& penalty) {
@@ -55,8 +63,9 @@ struct PenaltyParameters {
   return response;
 }
 
-/// A positive semidefinite stand-in for PenaltyResponse::hessian_mpa_per_mm: 2 k_c grad g (x) grad
-/// g + (-p Hess g)+, ( )+ being the nearest positive semidefinite matrix. Parameters as above.
+/// Positive semidefinite approximation of PenaltyResponse::hessian_mpa_per_mm. Parameters as above.
+/// \returns 2 k_c grad g (x) grad g + (-p Hess g)+, where ( )+ is the nearest positive semidefinite
+///   matrix.
 [[nodiscard]] Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
                                          const PenaltyParameters& penalty);
 

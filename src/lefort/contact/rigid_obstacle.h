@@ -1,6 +1,6 @@
 /// \file
-/// A rigid bone that tissue may not enter. Whoever detects it knows it in its own frame B; a plan
-/// only moves the pose.
+/// A rigid bone that tissue may not enter. Its distance query is given in the frame B of the bone;
+/// a plan changes only the pose.
 #pragma once
 
 #include <lefort/contact/distance_query.h>
@@ -10,9 +10,10 @@
 
 namespace lefort::contact {
 
+/// A distance query with a pose.
 struct RigidObstacle {
   std::shared_ptr<const DistanceQuery> distance_query_B;
-  RigidTransform X_LB = RigidTransform::Identity();  ///< From the bone as scanned to the patient.
+  RigidTransform X_LB = RigidTransform::Identity();  ///< From the bone in the scan to the patient.
 };
 
 }  // namespace lefort::contact

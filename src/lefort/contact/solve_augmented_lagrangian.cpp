@@ -10,20 +10,56 @@
 namespace lefort::contact {
 namespace {
 
-/// Augmenting is given up when so many in a row have not lowered the depth below this part of the
-/// least so far. One alone may well not: as the area in contact changes, so does its P99.
-constexpr int kEvictionTimeout = 3;
-constexpr double kGain = 0.99;
+/// The loop ends after this many updates in a row that do not reduce the depth below this fraction
+/// of its minimum so far. A single update may fail to, because the P99 changes with the area in
+/// contact. (Test EndsWhereUpdatesReduceNothing.)
+constexpr int kMaxStalledUpdates = 3;
+constexpr double kMaxDepthRatio = 0.99;
 
-/// How much deeper tissue lies than it may, as a ratio, in the worst contact; 0 if none is asked.
-double excess(std::span<const ContactTerm> contacts, std::span<const Vec3> x_L) {
-  double worst = 0.0;
+/// Max over the contacts of the P99 of the depth, as a multiple of the tolerance; 0 if there is
+/// none.
+double excess_depth(std::span<const ContactTerm> contacts, std::span<const Vec3> x_L) {
+  double max_excess = 0.0;
   for (const ContactTerm& contact : contacts)
     if (const auto tolerance_mm = contact.penetration_tolerance_mm())
-      worst = std::max(worst, contact.summarize(x_L).p99_depth_from_rest_mm / *tolerance_mm);
-  return worst;
+      max_excess =
+          std::max(max_excess, contact.summarize(x_L).p99_depth_from_rest_mm / *tolerance_mm);
+  return max_excess;
 }
 
+/// Steps 3 and 4 of the algorithm, for one state after the other.
+class MultiplierUpdate {
+ public:
+  enum class Result { kDone, kStalled, kChanged };
+
+  Result apply(std::span<ContactTerm> contacts, std::span<const Vec3> x_L) {
+    const double excess = excess_depth(contacts, x_L);
+    if (excess > 1.0)
+      for (ContactTerm& contact : contacts)
+        if (contact.penetration_tolerance_mm()) contact.update_multipliers(x_L);
+    Index activated = 0;
+    for (ContactTerm& contact : contacts) activated += contact.activate_tangent_planes(x_L);
+    if (activated == 0 && excess <= 1.0) return Result::kDone;
+    const bool is_progress = activated > 0 || excess < kMaxDepthRatio * min_excess_;
+    stalled_ = is_progress ? 0 : stalled_ + 1;
+    min_excess_ = std::min(min_excess_, excess);
+    return stalled_ == kMaxStalledUpdates ? Result::kStalled : Result::kChanged;
+  }
+
+ private:
+  double min_excess_ = std::numeric_limits<double>::infinity();
+  int stalled_ = 0;
+};
+
+void commit(std::span<ContactTerm> contacts, std::span<const Vec3> x_L) {
+  for (ContactTerm& contact : contacts) contact.commit(x_L);
+}
+
+void roll_back(std::span<ContactTerm> contacts) {
+  for (ContactTerm& contact : contacts) contact.rollback();
+}
+
+/// \returns the reason of the first contact that rejects the state.
 std::optional<std::string> rejection_reason(std::span<const ContactTerm> contacts,
                                             std::span<const Vec3> x_L) {
   for (const ContactTerm& contact : contacts)
@@ -58,37 +94,29 @@ fem::NewtonOutcome solve_augmented_lagrangian(
     outcome.reason = *std::move(why);
     return outcome;
   }
-  for (ContactTerm& contact : contacts) contact.commit(x_L);
+  commit(contacts, x_L);
 
-  double min_excess = std::numeric_limits<double>::infinity();
-  int idle = 0;
+  MultiplierUpdate update;
   for (int n = 0; n < kMaxMultiplierUpdates; ++n) {
-    const double now = excess(contacts, x_L);
-    if (now > 1.0)
-      for (ContactTerm& contact : contacts)
-        if (contact.penetration_tolerance_mm()) contact.update_multipliers(x_L);
-    Index crossed = 0;
-    for (ContactTerm& contact : contacts) crossed += contact.activate_tangent_planes(x_L);
-    if (crossed == 0 && now <= 1.0) break;
-    idle = crossed > 0 || now < kGain * min_excess ? 0 : idle + 1;
-    if (idle == kEvictionTimeout) {
-      // Nothing was solved with what was added last: what is told must be in balance.
-      for (ContactTerm& contact : contacts) contact.rollback();
+    const auto updated = update.apply(contacts, x_L);
+    if (updated == MultiplierUpdate::Result::kDone) break;
+    if (updated == MultiplierUpdate::Result::kStalled) {
+      // No equilibrium was computed with the last update.
+      roll_back(contacts);
       break;
     }
-    min_excess = std::min(min_excess, now);
     fem::NewtonOutcome next = solve(outcome.x);
     if (next.stop == fem::NewtonStop::kCancelled || next.stop == fem::NewtonStop::kOutOfMemory)
       return next;
     if (next.converged()) x_L = displaced(nodes_L, next.x);
     if (!next.converged() || rejection_reason(contacts, x_L)) {
-      for (ContactTerm& contact : contacts) contact.rollback();
-      const fem::NewtonIterate kept = outcome.history.back();
+      roll_back(contacts);
+      const fem::NewtonIterate last = outcome.history.back();
       append(next, outcome.history);
-      outcome.history.push_back(kept);
+      outcome.history.push_back(last);
       break;
     }
-    for (ContactTerm& contact : contacts) contact.commit(x_L);
+    commit(contacts, x_L);
     append(next, outcome.history);
     next.history = std::move(outcome.history);
     outcome = std::move(next);

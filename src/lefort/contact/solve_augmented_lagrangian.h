@@ -1,6 +1,6 @@
 /// \file
-/// One load step of a body and the bones it touches: equilibrium, accepted or refused, and
-/// augmented until tissue lies no deeper than asked.
+/// One load increment with contact: the outer (Uzawa) loop of the augmented Lagrangian around
+/// Newton's method (\cite wriggers2006, section 5.3; \cite bertsekas1982, section 2.2).
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -13,25 +13,36 @@
 
 namespace lefort::contact {
 
-/// Where the nodes are [mm]; u as in fem::Assembler.
+/// \param nodes_L  nodes in the reference configuration [mm].
+/// \param u        their displacements, three per node [mm]; as in fem::Assembler.
+/// \returns the current positions of the nodes [mm].
 [[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Most times that multipliers are augmented in one step. Each takes off some nine tenths of the
-/// depth that is left where the penalty is ten times as stiff as the tissue (the default).
+/// Max number of multiplier updates in one increment. With the default stiffness, ten times that of
+/// the tissue, an update removes about nine tenths of the remaining depth.
 inline constexpr int kMaxMultiplierUpdates = 30;
 
-/// Solves with the multipliers that were remembered last; while tissue lies deeper than any
-/// contact's tolerance, lets multipliers bear the pressure (ContactTerm::update_multipliers) and
-/// solves on.
+/// Algorithm:
 ///
-/// Augmenting ends early, above the tolerance, where it takes off nothing any more or finds no
-/// equilibrium: tissue is caught on an edge, where normals jump, or between bones. What was found
-/// before is an equilibrium all the same and is kept; ContactStatistics tells its depth.
-/// \param contacts  at their poses. What is accepted is remembered there.
-/// \param solve     finds the equilibrium from a start, displacements of all nodes.
-/// \returns the last equilibrium, with the histories of all solves, each but the first without its
-///   start (one that failed ends with the line it went back to); kRejected if a contact refuses the
-///   first; or what the first solve returned, if it did not converge; or a cancelled one.
+/// 1. Solve with the accepted multipliers. If that fails, or a contact rejects the equilibrium,
+///    return.
+/// 2. Commit the state.
+/// 3. If the P99 of the depth exceeds the tolerance of a contact, update the multipliers. Activate
+///    the tangent planes that are needed. If neither was needed, return.
+/// 4. If three updates in a row have not reduced the depth, roll back and return.
+/// 5. Solve again from the last equilibrium. If that fails or is rejected, roll back and return the
+///    last equilibrium; else continue with step 2.
+///
+/// The loop may end above the tolerance, where an edge of the bone or two bones catch the tissue.
+/// The returned state is an equilibrium all the same; ContactStatistics reports its depth.
+/// \param contacts  at their poses. They are left in the accepted state that is returned.
+/// \param nodes_L   nodes in the reference configuration [mm].
+/// \param start     displacements of all nodes [mm], first argument of the first solve.
+/// \param solve     finds the equilibrium from a start.
+/// \returns the last equilibrium with the histories of all solves, each except the first without
+///   its start (a solve that failed ends with the line of the equilibrium returned to); the first
+///   outcome if it did not converge, with kRejected if a contact rejects it; an outcome that was
+///   cancelled or ran out of memory.
 [[nodiscard]] fem::NewtonOutcome solve_augmented_lagrangian(
     std::span<ContactTerm> contacts, std::span<const Vec3> nodes_L, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& start)>& solve);

@@ -4,14 +4,19 @@
 namespace lefort::contact {
 namespace {
 
-/// Of the nearest surface along the normal that was seen, both of length one: below, it is another
-/// surface; above, the same again. In the middle of thin bone a sampled gradient is short, too.
-constexpr double kTurned = 0.5, kAgrees = 0.7;
+/// Cosines between the closest normal and the reference normal: below the first the closest surface
+/// is another one (60 degrees), above the second it is the same one again (45 degrees). Near the
+/// medial surface a sampled gradient is short, which lowers the cosine, too. Tests of
+/// ThinBoneContact cover both sides of each.
+constexpr double kOtherSurface = 0.5;
+constexpr double kSameSurface = 0.7;
 
-/// Likewise: off the bone, but on its far side. An edge of less than 60 degrees has two.
+/// Below this cosine the closest surface is on the far side (120 degrees). Only an edge sharper
+/// than 60 degrees has two surfaces that differ so much.
 constexpr double kFarSide = -0.5;
 
-double cosine(const RigidObstacle& obstacle, const Gap& gap, const ContactReference& last) {
+double cosine_to_reference(const RigidObstacle& obstacle, const Gap& gap,
+                           const ContactReference& last) {
   return (obstacle.X_LB.linear() * last.normal_B).dot(gap.gradient_L);
 }
 
@@ -39,16 +44,21 @@ Gap gap_to_tangent_plane(const RigidObstacle& obstacle, const Vec3& p_L,
 bool has_crossed_medial_surface(const RigidObstacle& obstacle, const Vec3& p_L, const Gap& gap,
                                 const ContactReference& last) {
   return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 && last.has_tangent_plane() &&
-         cosine(obstacle, gap, last) < kTurned &&
+         cosine_to_reference(obstacle, gap, last) < kOtherSurface &&
          gap_to_tangent_plane(obstacle, p_L, last).gap_mm < gap.gap_mm;
 }
 
 bool has_returned(const RigidObstacle& obstacle, const Vec3& p_L, const Gap& gap,
                   const ContactReference& last) {
   if (gap.zone != field::Zone::kBand) return true;
-  const double along = cosine(obstacle, gap, last);
-  return along > kAgrees || (gap.gap_mm >= 0.0 && along > kFarSide) ||
+  const double cosine = cosine_to_reference(obstacle, gap, last);
+  return cosine > kSameSurface || (gap.gap_mm >= 0.0 && cosine > kFarSide) ||
          gap_to_tangent_plane(obstacle, p_L, last).gap_mm >= gap.gap_mm;
+}
+
+bool is_at_far_side(const RigidObstacle& obstacle, const Gap& gap, const ContactReference& last) {
+  return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
+         cosine_to_reference(obstacle, gap, last) < kFarSide;
 }
 
 }  // namespace lefort::contact

@@ -1,14 +1,14 @@
 /// \file
-/// On which side of thin bone a point of the tissue is.
+/// Contact in thin bone.
 ///
-/// The nearest surface tells no way out of thin bone: past the middle of a plate it is the far one,
-/// and in a ridge one flank or the other, where the tip is what tissue must get off. So a point
-/// remembers what it saw of the bone while it was on its own side. Where bone that it lies in
-/// looks otherwise, the plane that touched the bone there holds it off: a wall without an edge to
-/// creep over, whose potential is convex.
+/// The closest surface does not always show the way out of thin bone. Beyond the medial surface of
+/// a plate it is the far side, and in a ridge it is one of the flanks, while the tissue must leave
+/// over the tip. Each point therefore stores the closest point and the normal of its last
+/// admissible state (contact reference). Once it has crossed the medial surface, the tangent plane
+/// of that state is its constraint. A plane has no edge, and its potential is convex.
 ///
-///            wall - - - - ___ - - - - -     sight: foot and normal on the tip
-///                        / o \              o: nearest are the flanks, which push to and fro
+///        tangent plane - - - - ___ - - - -     reference: closest point and normal at the tip
+///                             / o \            o: closest are the flanks, in alternation
 #pragma once
 
 #include <lefort/contact/measure_gap.h>
@@ -16,33 +16,50 @@
 
 namespace lefort::contact {
 
-/// What a point saw of the bone, in the bone's frame.
+/// Closest point of the bone and its normal, in the frame of the bone.
 struct ContactReference {
-  Vec3 foot_B = Vec3::Zero();    ///< The nearest point of its surface [mm].
-  Vec3 normal_B = Vec3::Zero();  ///< There, out of the bone, of length one; zero beyond the band.
-  bool is_side_known = false;    ///< The detector said where the point was.
+  Vec3 foot_B = Vec3::Zero();    ///< Closest point of the surface [mm].
+  Vec3 normal_B = Vec3::Zero();  ///< Outward unit normal there; zero beyond the band.
+  bool is_side_known = false;    ///< The zone of the point was known.
 
   [[nodiscard]] bool has_tangent_plane() const { return normal_B.squaredNorm() > 0.0; }
 };
 
-/// \param gap  of p_L, as measure_gap() says.
+/// \param obstacle  the bone at its present pose.
+/// \param p_L       the point [mm].
+/// \param gap       measure_gap() of p_L.
+/// \returns the contact reference of the point.
 [[nodiscard]] ContactReference contact_reference(const RigidObstacle& obstacle, const Vec3& p_L,
                                                  const Gap& gap);
 
-/// From the plane that touches the bone at a sight's foot. \pre last.has_tangent_plane().
+/// \param last  \pre last.has_tangent_plane().
+/// \returns the gap of p_L to the plane through `foot_B` with normal `normal_B`.
 [[nodiscard]] Gap gap_to_tangent_plane(const RigidObstacle& obstacle, const Vec3& p_L,
                                        const ContactReference& last);
 
-/// Whether a point lies in bone whose nearest surface is not the one it saw last, and would have to
-/// go further to get off that one: then it has come past the middle. In a corner of the bone, where
-/// one wall takes over from another, the nearest surface is right.
+/// \param gap   measure_gap() of p_L.
+/// \param last  contact reference of the point.
+/// \returns whether the point lies in the bone, the closest normal differs by more than 60 degrees
+///   from the reference normal, and the tangent plane is further away than the closest surface. The
+///   last condition excludes concave corners, where the closest surface is the right constraint.
 [[nodiscard]] bool has_crossed_medial_surface(const RigidObstacle& obstacle, const Vec3& p_L,
                                               const Gap& gap, const ContactReference& last);
 
-/// Whether a point that was past the middle sees its side again: it is off the bone, or the nearest
-/// surface looks as it did. Later than has_crossed_medial_surface() says no, so that it does not go
-/// to and fro.
+/// \param gap   measure_gap() of p_L.
+/// \param last  contact reference of the point.
+/// \returns whether a point that had crossed the medial surface is back: it is off the bone, the
+///   closest normal is within about 45 degrees of the reference normal, or the tangent plane is not
+///   further away than the closest surface. The thresholds leave a hysteresis to
+///   has_crossed_medial_surface().
 [[nodiscard]] bool has_returned(const RigidObstacle& obstacle, const Vec3& p_L, const Gap& gap,
                                 const ContactReference& last);
+
+/// \param gap   measure_gap() of a point.
+/// \param last  contact reference of the point.
+/// \returns whether the point lies in the bone and the closest normal differs by more than 120
+///   degrees from the reference normal. Outside the bone the closest normal may turn freely: across
+///   a groove one wall follows the other.
+[[nodiscard]] bool is_at_far_side(const RigidObstacle& obstacle, const Gap& gap,
+                                  const ContactReference& last);
 
 }  // namespace lefort::contact

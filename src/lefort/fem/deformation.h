@@ -1,19 +1,20 @@
 /// \file
-/// The kinematics all laws share. Symbols and equation numbers: \cite bonet2008.
+/// Kinematics of all material laws. Symbols and equation numbers: \cite bonet2008.
 ///
-/// X is a reference and x a current position. F maps dX to dx (eq. 4.7) and is unitless.
+/// X is the reference position and x the current one. The deformation gradient F maps dX to dx (eq.
+/// 4.7) and has no unit.
 #pragma once
 
 #include <lefort/core/types.h>
 
 namespace lefort::fem {
 
-/// A linear map between 3x3 matrices, acting on their columns stacked: entry (i, J) is number
-/// i + 3 J. So dP = A : dF reads flatten(dP) = A * flatten(dF).
+/// A linear map between 3x3 matrices whose columns are stacked: entry (i, J) has the number i + 3
+/// J. dP = A : dF is flatten(dP) = A * flatten(dF).
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 using Vec9 = Eigen::Matrix<double, 9, 1>;
 
-/// The columns of M stacked.
+/// \returns the stacked columns of M.
 [[nodiscard]] inline Vec9 flatten(const Mat3& M) { return Eigen::Map<const Vec9>(M.data()); }
 
 /// A : B = tr(A^T B) (eq. 2.51).
@@ -21,10 +22,11 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return A.cwiseProduct(B).sum();
 }
 
-/// J = det F, the ratio of volumes (eq. 4.37). An element with J <= 0 is inside out.
+/// J = det F, the ratio of current to reference volume (eq. 4.37). With J <= 0 an element is
+/// inverted.
 [[nodiscard]] inline double volume_ratio(const Mat3& F) { return F.determinant(); }
 
-/// J - 1 from H = F - I, without subtracting nearly equal numbers: small changes keep their digits.
+/// J - 1, from H = F - I without cancellation: accurate for small changes.
 [[nodiscard]] inline double jacobian_minus_one(const Mat3& F) {
   const Mat3 H = F - Mat3::Identity();
   const double trace = H.trace();
@@ -32,7 +34,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return trace + second + H.determinant();
 }
 
-/// dJ/dF = J F^-T (eq. 4.68), for any F; it turns areas (Nanson).
+/// dJ/dF = J F^-T (eq. 4.68), for any F; it maps reference to current area vectors (Nanson).
 [[nodiscard]] inline Mat3 cofactor(const Mat3& F) {
   Mat3 columns;
   columns << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
@@ -54,7 +56,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return A;
 }
 
-/// The maps that tangents are sums of. A += [dF -> B dF].
+/// Terms of tangents: A += [dF -> B dF].
 inline void add_left_product(const Mat3& B, Mat9& A) {
   for (int K = 0; K < 3; ++K) A.block<3, 3>(3 * K, 3 * K) += B;
 }
@@ -65,7 +67,7 @@ inline void add_right_product(const Mat3& S, Mat9& A) {
     for (int J = 0; J < 3; ++J) A.block<3, 3>(3 * J, 3 * K).diagonal().array() += S(J, K);
 }
 
-/// A += [dF -> factor M dF^T M]. For M = F^-T that is how -factor F^-T changes.
+/// A += [dF -> factor M dF^T M]; for M = F^-T the derivative of -factor F^-T.
 inline void add_transposed_product(double factor, const Mat3& M, Mat9& A) {
   for (int K = 0; K < 3; ++K)
     for (int k = 0; k < 3; ++k) A.col(k + 3 * K).reshaped(3, 3) += factor * M.col(K) * M.row(k);
@@ -77,7 +79,7 @@ inline void add_transposed_product(double factor, const Mat3& M, Mat9& A) {
 /// I1 = tr C (eq. 6.19).
 [[nodiscard]] inline double first_invariant(const Mat3& F) { return F.squaredNorm(); }
 
-/// sigma = P F^T / J, the true stress (eq. 5.45).
+/// sigma = P F^T / J, the Cauchy stress (eq. 5.45).
 [[nodiscard]] inline Mat3 cauchy_stress(const Mat3& P, const Mat3& F) {
   return P * F.transpose() / F.determinant();
 }

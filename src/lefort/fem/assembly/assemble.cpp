@@ -14,21 +14,23 @@ namespace {
 
 constexpr double kInadmissible = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMaxLocalSize = 3 * kMaxLocalNodes;
-constexpr Index kItemsPerTask = 64;  // Long enough to pay for the task, short enough to balance.
+/// Items per task: enough to amortize the task, few enough for load balance.
+constexpr Index kItemsPerTask = 64;
 
 /// Copies the entries of `values` [3 per node] that belong to `nodes`.
 void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* picked) {
   for (std::size_t a = 0; a < nodes.size(); ++a) picked[a] = values.segment<3>(3 * Index(nodes[a]));
 }
 
-/// What an item says of itself apart from forces and stiffness.
+/// Results of an item other than forces and stiffness.
 struct ItemState {
   double energy_mj = 0.0;  ///< Or kInadmissible.
   Index contacts = 0;
   double deepest_mm = 0.0;
 };
 
-/// Evaluates one item into zeroed memory; `stiffness`, of the kind `tangent`, may be null.
+/// Evaluates one item into zeroed memory.
+/// \param stiffness  of the kind `tangent`; may be null.
 ItemState evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
                         double* stiffness, Tangent tangent = Tangent::kExact) {
   const std::span<const std::int32_t> nodes = term.nodes(item);
@@ -46,7 +48,7 @@ ItemState evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, d
   return {admissible ? local.energy_mj : kInadmissible, local.contacts, local.deepest_mm};
 }
 
-/// Adds what the chunk's items push on each node; and their magnitudes, if asked.
+/// Adds the forces of the items of a chunk to the nodes; and their magnitudes if not null.
 void gather_forces(const Gather<std::int32_t>& gather, const std::vector<double>& buffer,
                    VectorX& sum, VectorX* sum_of_magnitudes) {
   parallel_for(Index(gather.target.size()), [&](Index k) {
@@ -63,7 +65,7 @@ void gather_forces(const Gather<std::int32_t>& gather, const std::vector<double>
   });
 }
 
-/// Adds what the chunk's items contribute to each block of the tangent.
+/// Adds the stiffness of the items of a chunk to the blocks of the tangent.
 void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<double>& buffer,
                       const DofMap& dofs, const std::vector<TangentBlock>& blocks, double* values) {
   using Block = Eigen::Map<const Mat3, 0, Eigen::OuterStride<>>;
@@ -76,7 +78,7 @@ void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<doubl
     const TangentBlock& block = blocks[std::size_t(gather.target[std::size_t(k)])];
     const bool on_diagonal = block.row_node == block.column_node;
     for (int c = 0; c < 3; ++c) {
-      std::int32_t place = block.place[std::size_t(c)];
+      std::int32_t place = block.value_index[std::size_t(c)];
       if (place < 0) continue;
       for (int r = on_diagonal ? c : 0; r < 3; ++r)
         if (dofs.free_number(3 * Index(block.row_node) + r) >= 0) values[place++] += total(r, c);
@@ -84,7 +86,7 @@ void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<doubl
   });
 }
 
-/// Whether signs are dropped, so that nothing cancels.
+/// Whether absolute values are multiplied, so that nothing cancels.
 enum class Magnitudes { kNo, kYes };
 
 }  // namespace
@@ -117,11 +119,12 @@ struct Assembler::Plan {
     return conservative[std::size_t(item.term)];
   }
 
-  /// The sum over all items of their stiffness at x_L times `vector`, or of the magnitudes of both.
+  /// \returns the sum over all items of their stiffness at x_L times `vector`, or the same with the
+  ///   absolute values of both.
   [[nodiscard]] VectorX stiffness_times(const VectorX& x_L, const VectorX& vector,
                                         Magnitudes magnitudes) const;
 
-  /// Adds what the chunk's items of terms that are not conservative push on each node.
+  /// Adds the forces of the chunk's items whose terms are not conservative.
   void add_followers(const Chunk& chunk, const std::vector<double>& buffer,
                      VectorX& follower_n) const {
     for (const PlannedItem& item : chunk.items) {

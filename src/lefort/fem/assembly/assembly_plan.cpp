@@ -9,8 +9,8 @@
 namespace lefort::fem {
 namespace {
 
-/// Doubles in the stiffness buffer of one chunk: 2 MB, which a processor's cache holds. Part of the
-/// result: sums are taken chunk by chunk.
+/// Doubles in the stiffness buffer of one chunk: 2 MB, which fits into the cache of a processor.
+/// The value affects the last bits of results: sums are computed chunk by chunk.
 constexpr Index kChunkDoubles = Index(1) << 18;
 
 std::vector<Chunk> cut_into_chunks(std::span<const ForceTerm* const> terms, Index node_count) {
@@ -38,7 +38,7 @@ std::vector<Chunk> cut_into_chunks(std::span<const ForceTerm* const> terms, Inde
   return chunks;
 }
 
-/// A pair of nodes as one number that sorts by column, then row.
+/// \returns a pair of nodes as one number that sorts by column, then row.
 std::uint64_t pair_key(std::int32_t row, std::int32_t column) {
   return (std::uint64_t(std::uint32_t(column)) << 32) | std::uint32_t(row);
 }
@@ -48,7 +48,7 @@ void sort_and_unique(std::vector<std::uint64_t>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-/// All coupled pairs; every node is coupled with itself.
+/// \returns all coupled pairs; every node is coupled with itself.
 std::vector<std::uint64_t> coupled_pairs(const std::vector<Chunk>& chunks,
                                          std::span<const ForceTerm* const> terms,
                                          Index node_count) {
@@ -74,7 +74,7 @@ std::vector<std::uint64_t> coupled_pairs(const std::vector<Chunk>& chunks,
   return all;
 }
 
-/// Puts sources under their targets: (target, source) pairs, sorted by target, order kept.
+/// Groups (target, source) pairs by target, in their order.
 template <class Source>
 Gather<Source> gather_by_target(std::vector<std::pair<std::int32_t, Source>> pairs) {
   std::stable_sort(pairs.begin(), pairs.end(),
@@ -102,7 +102,7 @@ void lay_out_gathers(Chunk& chunk, std::span<const ForceTerm* const> terms,
       forces.emplace_back(nodes[b], planned.forces + std::int32_t(3 * b));
       for (std::size_t a = 0; a < nodes.size(); ++a) {
         if (nodes[a] < nodes[b]) continue;
-        LEFORT_CHECK(a == b || nodes[a] != nodes[b]);  // All nodes of an item differ.
+        LEFORT_CHECK(a == b || nodes[a] != nodes[b]);  // The nodes of an item differ.
         const auto pair =
             std::lower_bound(pairs.begin(), pairs.end(), pair_key(nodes[a], nodes[b]));
         const std::int32_t offset =
@@ -115,7 +115,7 @@ void lay_out_gathers(Chunk& chunk, std::span<const ForceTerm* const> terms,
   chunk.stiffness = gather_by_target(std::move(stiffness));
 }
 
-/// Numbers the places of the blocks and fills in the matrix's structure.
+/// Numbers the blocks in the values of the matrix and builds its pattern.
 void lay_out_tangent(const DofMap& dofs, AssemblyPlan& plan) {
   std::vector<int> starts{0};
   std::vector<int> rows;
@@ -127,7 +127,7 @@ void lay_out_tangent(const DofMap& dofs, AssemblyPlan& plan) {
       for (std::size_t k = begin; k < end; ++k) {
         TangentBlock& block = plan.blocks[k];
         LEFORT_CHECK(rows.size() < std::size_t(std::numeric_limits<std::int32_t>::max() - 3));
-        block.place[std::size_t(c)] = std::int32_t(rows.size());
+        block.value_index[std::size_t(c)] = std::int32_t(rows.size());
         for (int r = k == begin ? c : 0; r < 3; ++r) {
           const std::int32_t row = dofs.free_number(3 * Index(block.row_node) + r);
           if (row >= 0) rows.push_back(row);
@@ -153,7 +153,7 @@ AssemblyPlan plan_assembly(const DofMap& dofs, std::span<const ForceTerm* const>
   for (const std::uint64_t key : pairs)
     plan.blocks.push_back({.row_node = std::int32_t(key & 0xffffffffU),
                            .column_node = std::int32_t(key >> 32),
-                           .place = {-1, -1, -1}});
+                           .value_index = {-1, -1, -1}});
   lay_out_tangent(dofs, plan);
 
   parallel_for(

@@ -1,10 +1,11 @@
 /// \file
-/// Where every local number of every force term goes: laid out once, used by every assembly.
+/// Layout of the assembly: the target of each local number of each force term. It is computed once
+/// and used by every assembly.
 ///
-/// Items are cut into chunks whose local matrices fit into a buffer that stays in the processor's
-/// cache. A chunk is first evaluated (each item writes its own part of the buffer), then gathered
-/// (each task owns the places it adds to, and adds their sources in the order of items). So no two
-/// tasks write to one place, and no sum depends on who came first.
+/// Items are divided into chunks whose local matrices fit into a buffer of the size of the
+/// processor cache. A chunk is first evaluated (each item writes its own part of the buffer), then
+/// gathered (each task owns its targets and adds their sources in the order of items). So no two
+/// tasks write to one target, and no sum depends on the order of tasks.
 ///
 ///     items      0  1  2  3 | 4  5  6 | ...        chunks, by size alone
 ///     buffer    [....local matrices...]            reused by every chunk
@@ -23,7 +24,7 @@
 
 namespace lefort::fem {
 
-/// One local item of one term, and where in the buffers it writes.
+/// One local item of one term, with its offsets in the buffers.
 struct PlannedItem {
   std::int32_t term;
   std::int32_t item;
@@ -37,7 +38,7 @@ struct BlockSource {
   std::int32_t stride;
 };
 
-/// Lists of sources, one per target: target k owns sources first[k] to first[k + 1].
+/// Lists of sources, one per target: target[k] has source[first[k]] up to source[first[k + 1]].
 template <class Source>
 struct Gather {
   std::vector<std::int32_t> target;
@@ -45,30 +46,34 @@ struct Gather {
   std::vector<Source> source;
 };
 
+/// Items that are evaluated, then gathered, together.
 struct Chunk {
   std::vector<PlannedItem> items;
   Gather<std::int32_t> forces;    ///< Node <- offsets into the force buffer.
   Gather<BlockSource> stiffness;  ///< Block of the tangent <- blocks of the stiffness buffer.
 };
 
-/// One coupled pair of nodes, row >= column, and its place in the tangent on free components.
+/// One coupled pair of nodes, row >= column, with its position in the tangent of free components.
 struct TangentBlock {
   std::int32_t row_node;
   std::int32_t column_node;
-  /// Per component of column_node: where the first free component of row_node stands (on the
-  /// diagonal: the first at or below it); -1 if the column is not free.
-  std::array<std::int32_t, 3> place;
+  /// Per component of column_node: position of the first free component of row_node among the
+  /// values of the matrix (on the diagonal: the first at or below it); -1 if the column is not
+  /// free.
+  std::array<std::int32_t, 3> value_index;
 };
 
+/// Layout of chunks and tangent.
 struct AssemblyPlan {
   std::vector<Chunk> chunks;
   Index force_buffer_size = 0;
   Index stiffness_buffer_size = 0;
   std::vector<TangentBlock> blocks;  ///< By column, then row.
-  linear::SparseMatrix pattern;      ///< Lower triangle on the free components, all zero.
+  linear::SparseMatrix pattern;      ///< Lower triangle of the free components, all zero.
 };
 
-/// \pre the nodes of all items exist in `dofs`.
+/// \param dofs   which components are free.
+/// \param terms  not null; \pre the nodes of all items exist in `dofs`.
 [[nodiscard]] AssemblyPlan plan_assembly(const DofMap& dofs,
                                          std::span<const ForceTerm* const> terms);
 

@@ -1,5 +1,5 @@
 /// \file
-/// The strain energy of elements of one shape: the kernel behind element_term.h.
+/// Strain energy of elements of one shape with full integration (element_term.h).
 #pragma once
 
 #include <lefort/fem/assembly/element_energy.h>
@@ -9,11 +9,13 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements and points of Psi(F) dV, of laws in split form a share of it.
+/// W = sum over elements and points of c Psi(F) dV, with c < 1 for decoupled laws of elements whose
+/// other part is in a SmoothedStrainTerm; else c = 1.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:
-  /// \param share  what Psi is multiplied by if the law is in split form.
+  /// \param data      the elements.
+  /// \param fraction  c of decoupled laws.
   ContinuumTerm(ElementData<Element> data, double fraction)
       : data_(std::move(data)), fraction_(fraction) {}
 

@@ -1,5 +1,5 @@
 /// \file
-/// Which displacement components are solved for, and their numbers.
+/// Numbers of the free displacement components.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,14 +12,13 @@
 
 namespace lefort::fem {
 
-/// Numbers all components 3 * node + component, and the free ones in the same order without gaps.
-///
-/// "All" vectors have length 3 * node_count(), "free" vectors free_count().
+/// Numbers all components by 3 * node + component, and the free ones in the same order without
+/// gaps. "All" vectors have the length 3 * node_count(), "free" vectors free_count().
 class DofMap {
  public:
-  /// Which components are prescribed; their values do not matter here, so one map serves a whole
-  /// path.
-  ///
+  /// \param node_count  number of nodes.
+  /// \param prescribed  prescribed components. Their values are checked but not stored, so that one
+  ///   map serves a whole load path.
   /// \returns the map, or kInvalidArgument if a node or component does not exist, a displacement is
   ///   not finite, or one component is prescribed twice with different displacements.
   [[nodiscard]] static Result<DofMap> build(Index node_count,
@@ -28,19 +27,20 @@ class DofMap {
   [[nodiscard]] Index node_count() const { return Index(free_from_all_.size()) / 3; }
   [[nodiscard]] Index free_count() const { return Index(all_from_free_.size()); }
 
-  /// The free number of component `all`, or -1 if it is prescribed.
+  /// \returns the free number of component `all`, or -1 if it is prescribed.
   [[nodiscard]] std::int32_t free_number(Index all) const {
     return free_from_all_[std::size_t(all)];
   }
 
-  /// The free entries of an all vector.
+  /// \returns the free entries of an all vector.
   [[nodiscard]] VectorX free_part(const VectorX& all) const;
 
-  /// `all` with its free entries replaced by those of `free`.
+  /// \returns `all` with its free entries replaced by those of `free`.
   [[nodiscard]] VectorX with_free_part(const VectorX& all, const VectorX& free) const;
 
-  /// `all` with the given displacements written in.
-  /// \pre `prescribed` names components that are prescribed in this map.
+  /// \param all         displacements of all components [mm].
+  /// \param prescribed  \pre its components are prescribed in this map.
+  /// \returns `all` with the prescribed displacements.
   [[nodiscard]] VectorX with_prescribed(const VectorX& all,
                                         std::span<const PrescribedDisplacement> prescribed) const;
 

@@ -1,6 +1,5 @@
 /// \file
-/// Elements of one shape and their laws, and the strain energy of one: what the element terms
-/// share.
+/// Elements of one shape with their laws, and the strain energy of one element.
 #pragma once
 
 #include <lefort/fem/assembly/force_term.h>
@@ -14,13 +13,13 @@
 
 namespace lefort::fem {
 
-/// Some elements of one shape.
+/// Elements of one shape.
 template <class Element>
 struct ElementData {
   std::vector<std::int32_t> nodes;                ///< Element::kNodes per element.
   std::vector<ReferenceElement<Element>> points;  ///< One per element.
-  std::vector<Material> materials;                ///< The laws that occur.
-  std::vector<std::int32_t> material;             ///< For each element, its place in `materials`.
+  std::vector<Material> materials;                ///< Laws that occur.
+  std::vector<std::int32_t> material;             ///< Of each element, an index into `materials`.
 
   [[nodiscard]] Index count() const { return Index(points.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes_of(Index element) const {
@@ -31,7 +30,12 @@ struct ElementData {
   }
 };
 
-/// K_ab += dN_a/dX . A . dN_b/dX * dV, the second index of P and of F contracted.
+/// K_ab += dN_a/dX . A . dN_b/dX dV, contracted over the second index of P and of F (\cite
+/// bonet2008, section 9.4).
+/// \param A      dP/dF.
+/// \param dV     volume of the point [mm^3].
+/// \param point  its gradients.
+/// \param local  receives the stiffness.
 template <class Element>
 void add_stiffness(const Mat9& A, double dV, const ReferencePoint<Element>& point,
                    LocalEquations& local) {
@@ -51,10 +55,14 @@ void add_stiffness(const Mat9& A, double dV, const ReferencePoint<Element>& poin
   }
 }
 
-/// Adds share * (sum over points of Psi(F) dV), Psi being that part of the law.
-///
-/// \param x  where the nodes are [mm].
-/// \returns false if a point is inside out, or NaN.
+/// Adds the energy fraction * (sum over points of Psi(F) dV), its forces and stiffness.
+/// \param material  the law.
+/// \param part      Psi: the whole law or its isochoric part.
+/// \param fraction  factor of the energy.
+/// \param points    reference element.
+/// \param x         current positions of the nodes [mm].
+/// \param local     receives energy, forces and stiffness.
+/// \returns false if J <= 0 at a point, or NaN.
 template <class Element>
 bool add_strain_energy(const Material& material, LawPart part, double fraction,
                        const ReferenceElement<Element>& points,

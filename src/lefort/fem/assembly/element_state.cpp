@@ -22,14 +22,13 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Where a mesh averages over several elements, and what is known there.
+/// Averages over several elements and their states.
 struct Averages {
-  std::unique_ptr<AveragedNodalPressure> volume;  ///< Or null.
+  std::unique_ptr<AveragedNodalPressure> volume;  ///< May be null.
   std::vector<AveragedNodalPressure::State> of_patch;
-  std::unique_ptr<SmoothedStrainTerm> shear;  ///< Or null.
+  std::unique_ptr<SmoothedStrainTerm> strain;  ///< May be null.
   std::vector<SmoothedStrainTerm::State> of_group;
-  std::vector<char>
-      has_interior_node;  ///< Of each element, or empty (elements_with_interior_nodes.h).
+  std::vector<char> has_interior_node;  ///< elements_with_interior_nodes().
 };
 
 template <class Term>
@@ -46,36 +45,39 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += u.segment<3>(3 * Index(n));
   Averages averages{.volume = AveragedNodalPressure::build(mesh, materials),
                     .of_patch = {},
-                    .shear = SmoothedStrainTerm::build(mesh, materials),
+                    .strain = SmoothedStrainTerm::build(mesh, materials),
                     .of_group = {},
                     .has_interior_node = elements_with_interior_nodes(mesh)};
   averages.of_patch = states_of(averages.volume.get(), x_L);
-  averages.of_group = states_of(averages.shear.get(), x_L);
+  averages.of_group = states_of(averages.strain.get(), x_L);
   return averages;
 }
 
-/// What an averaged change of volume adds to the state of one element.
+/// Contribution of the averaged volume change to the state of one element.
 template <class Element>
-struct VolumeFraction {
+struct VolumetricContribution {
   using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
-  PerPoint pressure;  ///< At its points [MPa].
+  PerPoint pressure;  ///< At the points [MPa].
   double energy_mj = 0.0;
 };
 
+/// \param X       reference positions of the nodes [mm].
 /// \param change  J - 1 at the points.
+/// \param number  of the element, through the blocks.
 template <class Element>
-VolumeFraction<Element> volume_fraction(const Material& material, const ElementNodes<Element>& X,
-                                        const ReferenceElement<Element>& points,
-                                        const Eigen::Matrix<double, Element::kPoints, 1>& change,
-                                        const Averages& averages, Index number) {
+VolumetricContribution<Element> volumetric_contribution(
+    const Material& material, const ElementNodes<Element>& X,
+    const ReferenceElement<Element>& points,
+    const Eigen::Matrix<double, Element::kPoints, 1>& change, const Averages& averages,
+    Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
     bool has_interior_node = false;
-    if constexpr (kHasBulkAtPoints<Element>)
+    if constexpr (kHasPointwiseBulk<Element>)
       has_interior_node = averages.has_interior_node[std::size_t(number)] != 0;
     const auto response =
-        volume_response<Element>(share_volume<Element>(material, has_interior_node), points,
+        volume_response<Element>(split_volumetric<Element>(material, has_interior_node), points,
                                  dilatation_modes<Element>(X, points), change);
-    if (!response) return {VolumeFraction<Element>::PerPoint::Constant(kNan), kNan};
+    if (!response) return {VolumetricContribution<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
   } else {
     double volume_mm3 = 0.0;
@@ -90,24 +92,26 @@ VolumeFraction<Element> volume_fraction(const Material& material, const ElementN
       density_mpa += state.energy_density_mpa;
       ++count;
     }
-    return {VolumeFraction<Element>::PerPoint::Constant(pressure_mpa / count),
+    return {VolumetricContribution<Element>::PerPoint::Constant(pressure_mpa / count),
             density_mpa / count * volume_mm3};
   }
 }
 
-/// Puts the means over neighbors in the place of all but a share of an element's shear part.
-void mix_in_neighbors(const Averages& averages, Index number, ElementState& state) {
+/// Adds the stress and energy of the smoothing domains of an element; its own are reduced to the
+/// fraction kElementStabilizationFraction.
+void add_smoothing_domains(const Averages& averages, Index number, ElementState& state) {
   state.cauchy_mpa *= kElementStabilizationFraction;
   state.energy_density_mpa *= kElementStabilizationFraction;
-  for (const SmoothedStrainTerm::ElementDomain& side : averages.shear->domains_of(number)) {
-    const double fraction = (1.0 - kElementStabilizationFraction) * side.fraction;
-    const SmoothedStrainTerm::State& of_group = averages.of_group[std::size_t(side.item)];
+  for (const SmoothedStrainTerm::ElementDomain& domain : averages.strain->domains_of(number)) {
+    const double fraction = (1.0 - kElementStabilizationFraction) * domain.fraction;
+    const SmoothedStrainTerm::State& of_group = averages.of_group[std::size_t(domain.item)];
     state.cauchy_mpa += fraction * of_group.cauchy_mpa;
     state.energy_density_mpa += fraction * of_group.energy_density_mpa;
   }
 }
 
-/// \param averages  null if the change of volume is taken at the points.
+/// \param averages  null with full integration.
+/// \param number    of the element, through the blocks.
 template <class Element>
 ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
                       const Material& whole, const VectorX& u, const Averages* averages,
@@ -148,12 +152,13 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   state.energy_density_mpa /= volume_mm3;
   if (!is_averaged) return state;
 
-  if constexpr (kSmoothingDomains < Element >> 0) mix_in_neighbors(*averages, number, state);
-  const auto fraction = volume_fraction<Element>(whole, X, *reference, change, *averages, number);
+  if constexpr (kSmoothingDomains < Element >> 0) add_smoothing_domains(*averages, number, state);
+  const auto volumetric =
+      volumetric_contribution<Element>(whole, X, *reference, change, *averages, number);
   for (std::size_t q = 0; q < reference->size(); ++q)
     state.cauchy_mpa.diagonal().array() +=
-        (*reference)[q].volume_mm3 / volume_mm3 * fraction.pressure[Index(q)];
-  state.energy_density_mpa += fraction.energy_mj / volume_mm3;
+        (*reference)[q].volume_mm3 / volume_mm3 * volumetric.pressure[Index(q)];
+  state.energy_density_mpa += volumetric.energy_mj / volume_mm3;
   return state;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Strain and stress of each element, for looking at.
+/// Strain and stress of each element, for output.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -11,21 +11,21 @@
 
 namespace lefort::fem {
 
-/// Means over the integration points of one element, but for the smallest J. Where the change of
+/// Averages over the quadrature points of one element, except for the min J. Where the change of
 /// volume is averaged, pressure and energy are those of the average.
 struct ElementState {
-  double min_volume_ratio = 1.0;    ///< J = det F; an element with J <= 0 is inside out.
-  Mat3 cauchy_mpa = Mat3::Zero();   ///< True stress, tension positive; NaN where J <= 0.
-  Vec3 stretches = Vec3::Ones();    ///< Principal, the largest first; NaN where J <= 0.
-  double energy_density_mpa = 0.0;  ///< Per reference volume; NaN where J <= 0.
+  double min_volume_ratio = 1.0;    ///< J = det F; an element with J <= 0 is inverted.
+  Mat3 cauchy_mpa = Mat3::Zero();   ///< Cauchy stress, tension positive; NaN if J <= 0.
+  Vec3 stretches = Vec3::Ones();    ///< Principal stretches, descending; NaN if J <= 0.
+  double energy_density_mpa = 0.0;  ///< Per reference volume; NaN if J <= 0.
 };
 
-/// \param mesh        accepted by make_element_terms().
-/// \param materials   likewise.
-/// \param u           displacements of all nodes, 3 per node [mm].
-/// \param dilatation  what the terms were made with.
-/// \returns one state per element, through the blocks. Beside an element that is inside out those
-///   that share an average with it have no stress either.
+/// \param mesh                    accepted by make_element_terms().
+/// \param materials               accepted by make_element_terms().
+/// \param u                       displacements of all nodes, 3 per node [mm].
+/// \param volumetric_integration  as in make_element_terms().
+/// \returns one state per element, through the blocks. Elements that share an average with an
+///   inverted element have no stress either.
 [[nodiscard]] std::vector<ElementState> element_states(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials, const VectorX& u,
     VolumetricIntegration volumetric_integration = VolumetricIntegration::kMeanDilatation);

@@ -20,7 +20,7 @@ namespace {
 
 using TermPtr = std::unique_ptr<const ForceTerm>;
 
-/// Checks what all shapes share, so that the rest may index freely.
+/// Checks node numbers, coordinates and list lengths, so that later code need not.
 Result<void> check_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block) {
   const std::size_t wanted = block.region.size() * std::size_t(mesh::node_count(block.shape));
   if (block.nodes.size() != wanted)
@@ -40,7 +40,7 @@ Result<void> check_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock&
   return {};
 }
 
-/// The laws of one block, and for each element which one is its own.
+/// Laws of one block, and the index of the law of each element.
 struct BlockMaterials {
   std::vector<Material> laws;
   std::vector<std::int32_t> of_element;
@@ -49,9 +49,9 @@ struct BlockMaterials {
 Result<BlockMaterials> block_materials(const mesh::ElementBlock& block,
                                        const RegionMaterials& materials) {
   BlockMaterials found;
-  std::map<std::int32_t, std::int32_t> place;
+  std::map<std::int32_t, std::int32_t> law_of_region;
   for (const std::int32_t region : block.region) {
-    const auto [known, is_new] = place.try_emplace(region, std::int32_t(found.laws.size()));
+    const auto [known, is_new] = law_of_region.try_emplace(region, std::int32_t(found.laws.size()));
     if (is_new) {
       const auto material = materials.find(region);
       if (material == materials.end())
@@ -65,7 +65,7 @@ Result<BlockMaterials> block_materials(const mesh::ElementBlock& block,
   return found;
 }
 
-/// Says which element of which block is at fault.
+/// \returns the error that names the inverted element.
 tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                                Index e, Index first_number, const ElementFault& fault) {
   const int count = mesh::node_count(block.shape);
@@ -82,11 +82,10 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
                 fmt::format("{} is folded at its node {}, number {} of the mesh, its volume must "
                             "be > 0 everywhere",
                             which, fault.node, block.element(e)[fault.node]));
-  return fail(
-      ErrorCode::kElementInverted,
-      fmt::format("{} is flat or inside out, its volume must be > 0; its scaled Jacobian is "
-                  "{:.3g}",
-                  which, mesh::scaled_jacobian(block.shape, X_L)));
+  return fail(ErrorCode::kElementInverted,
+              fmt::format("{} is flat or inverted, its volume must be > 0; its scaled Jacobian is "
+                          "{:.3g}",
+                          which, mesh::scaled_jacobian(block.shape, X_L)));
 }
 
 template <class Element>

@@ -1,5 +1,5 @@
 /// \file
-/// The elements of a volume mesh as force terms: the energy their deformation stores.
+/// The elements of a volume mesh as force terms: their strain energy.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,20 +14,21 @@
 
 namespace lefort::fem {
 
-/// One term per non-empty block of `mesh`, and one for the change of volume that is averaged around
-/// nodes, if any; total Lagrangian: gradients are taken once, in the reference configuration
+/// One term per non-empty block of `mesh`, and one each for nodal averages and smoothing domains if
+/// there are any. Total Lagrangian: gradients are computed once, in the reference configuration
 /// mesh.nodes_L.
 ///
-/// \param mesh        elements of any shapes; where blocks meet their faces should be the same.
-/// \param materials   one for every region that occurs.
-/// \param dilatation  where laws in split form take the change of volume; the others do not care.
-/// \returns the terms, which do not refer to `mesh` any more, or
-///   - kElementInverted  an element has no positive reference volume at an integration point or a
-///     node; number and place are told;
+/// \param mesh                    elements of any shapes; adjacent blocks should have matching
+///   faces.
+/// \param materials               one for every region that occurs.
+/// \param volumetric_integration  of decoupled laws.
+/// \returns the terms, which do not refer to `mesh` afterwards, or
+///   - kElementInverted  the reference Jacobian of an element is not positive at a quadrature point
+///     or a node; the message has its number and position;
 ///   - kMeshInvalid      a node number, coordinate or list length is wrong, or there is no element;
 ///   - kInvalidArgument  a region has no material, or a constant of a material lies outside its
 ///     range.
-/// \note An element's number counts through the blocks, from 0.
+/// \note Elements are numbered through the blocks, from 0.
 [[nodiscard]] Result<std::vector<std::unique_ptr<const ForceTerm>>> make_element_terms(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
     VolumetricIntegration volumetric_integration = VolumetricIntegration::kMeanDilatation);

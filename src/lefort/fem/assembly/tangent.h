@@ -1,15 +1,20 @@
 /// \file
-/// Which second derivative of the energy Newton steps by.
+/// Kinds of the tangent stiffness.
 #pragma once
 
 namespace lefort::fem {
 
+/// Kind of the tangent stiffness.
 enum class Tangent {
-  kExact,         ///< d2W/dx2: quadratic convergence near a minimum, but may be indefinite.
-  kPsdProjected,  ///< Each term that can leaves out what is negative in it. Unlike a shift this slows
-                  ///< only the nodes concerned.
-  kAntisymmetric  ///< What the derivative of forces without an energy has beside its symmetric
-                  ///< part, which is the exact tangent.
+  /// d2W/dx2: gives quadratic convergence near a minimum, but may be indefinite.
+  kExact,
+  /// Contributions with negative eigenvalues are projected to positive semidefinite ones where that
+  /// is possible (Teran et al. 2005). Unlike a diagonal shift this affects only the nodes
+  /// concerned.
+  kPsdProjected,
+  /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
+  /// the symmetric part.
+  kAntisymmetric
 };
 
 }  // namespace lefort::fem

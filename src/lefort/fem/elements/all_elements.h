@@ -1,5 +1,5 @@
 /// \file
-/// The closed set of element shapes the solver knows: all that a mesh can hold.
+/// The closed set of element shapes: all shapes of mesh::ElementShape.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -17,12 +17,12 @@
 
 namespace lefort::fem {
 
-/// To add a shape: its file beside this one, and its name here.
+/// To add a shape: add its file to this folder and its name here.
 using AnyElement = std::variant<Tet4, Pyramid5, Wedge6, Hex8, Tet10, Wedge15, Hex20>;
 
 namespace internal {
 
-/// The alternative whose kShape that is.
+/// The alternative with this kShape.
 template <class... Shapes, class Kind>
 std::variant<Shapes...> find_shape(Kind shape, const std::variant<Shapes...>& /*set*/) {
   std::optional<std::variant<Shapes...>> found;
@@ -33,7 +33,7 @@ std::variant<Shapes...> find_shape(Kind shape, const std::variant<Shapes...>& /*
 
 }  // namespace internal
 
-/// The element of that shape, for std::visit.
+/// \returns the element of this shape, for std::visit.
 [[nodiscard]] inline AnyElement element_of(mesh::ElementShape shape) {
   return internal::find_shape(shape, AnyElement{});
 }

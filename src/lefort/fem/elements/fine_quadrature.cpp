@@ -17,9 +17,9 @@ struct Point1 {
 };
 using Rule1 = std::array<Point1, kCount>;
 
-/// The Gauss rule for the integral of f(t) (1 - t)^alpha over [0, 1], by the eigenvalues of the
-/// Jacobi matrix of the orthogonal polynomials \cite golub1969. On [-1, 1], with weight (1 - x)^a,
-/// these have the recurrence coefficients below.
+/// Gauss rule for the integral of f(t) (1 - t)^alpha over [0, 1], from the eigenvalues of the
+/// Jacobi matrix of the orthogonal polynomials (\cite golub1969). On [-1, 1], with the weight (1 -
+/// x)^a, they have the recurrence coefficients below.
 Rule1 gauss_jacobi(double alpha) {
   Eigen::Matrix<double, kCount, kCount> jacobi = Eigen::Matrix<double, kCount, kCount>::Zero();
   for (int n = 0; n < kCount; ++n) {
@@ -52,7 +52,7 @@ std::vector<RulePoint<2>> square() {
   return rule;
 }
 
-/// The square t, s in [0, 1] shrunk to a point at s = 1: area element 1 - s.
+/// The square t, s in [0, 1] collapsed to a point at s = 1: area element 1 - s.
 std::vector<RulePoint<2>> triangle() {
   std::vector<RulePoint<2>> rule;
   for (const Point1& s : gauss_jacobi(1.0))
@@ -61,7 +61,7 @@ std::vector<RulePoint<2>> triangle() {
   return rule;
 }
 
-/// `base` carried along the third coordinate.
+/// `base` extruded along the third coordinate.
 std::vector<RulePoint<3>> prism(const std::vector<RulePoint<2>>& base) {
   std::vector<RulePoint<3>> rule;
   for (const Point1& z : gauss())
@@ -70,7 +70,7 @@ std::vector<RulePoint<3>> prism(const std::vector<RulePoint<2>>& base) {
   return rule;
 }
 
-/// `base` shrunk to a point at height 1: volume element (1 - zeta)^2.
+/// `base` collapsed to a point at height 1: volume element (1 - zeta)^2.
 std::vector<RulePoint<3>> cone(const std::vector<RulePoint<2>>& base) {
   std::vector<RulePoint<3>> rule;
   for (const Point1& z : gauss_jacobi(2.0))

@@ -1,10 +1,10 @@
 /// \file
-/// More points than the strain energy needs: for error norms, masses and loads that vary inside an
-/// element.
+/// Quadrature of higher order than that of the strain energy: for error norms, masses and loads
+/// that vary inside an element.
 ///
-/// Conical products of Gauss-Jacobi rules with four points each \cite stroud1971, exact to degree 7
-/// on every shape: 64 points in an element, 16 on a face. The squared error of a quadratic
-/// displacement, of degree 6, is among what they integrate.
+/// Conical products of Gauss-Jacobi rules with four points each (\cite stroud1971), exact to degree
+/// 7 on every shape: 64 points in an element, 16 on a face. The squared error of a quadratic
+/// displacement has degree 6.
 #pragma once
 
 #include <lefort/fem/elements/quadrature_point.h>
@@ -16,11 +16,11 @@ namespace lefort::fem {
 
 inline constexpr int kFineDegree = 7;
 
-/// On the reference element of that shape.
+/// \returns the rule on the reference element of this shape.
 [[nodiscard]] std::vector<RulePoint<3>> fine_rule(mesh::ElementShape shape);
 [[nodiscard]] std::vector<RulePoint<2>> fine_rule(mesh::FaceShape shape);
 
-/// The same with the shape functions: in the place of Shape::quadrature().
+/// \returns the rule with shape functions: a substitute for Shape::quadrature().
 template <class Shape>
 [[nodiscard]] auto fine_quadrature() {
   const auto rule = fine_rule(Shape::kShape);

@@ -1,7 +1,7 @@
 /// \file
 /// The hexahedron with twenty nodes: quadratic displacement of the serendipity family.
 ///
-/// Corners 0 to 7 as in hex8.h; then the middles of the edges, as VTK_QUADRATIC_HEXAHEDRON:
+/// Corners 0 to 7 as in hex8.h; then the mid-edge nodes, as VTK_QUADRATIC_HEXAHEDRON:
 ///
 ///        7----14---6          8 (0,1)    9 (1,2)   10 (2,3)   11 (3,0)
 ///      15|       13|         12 (4,5)   13 (5,6)   14 (6,7)   15 (7,4)
@@ -19,7 +19,7 @@
 namespace lefort::fem {
 
 /// With s = 1 + xi_a xi, t = 1 + eta_a eta, u = 1 + zeta_a zeta (\cite hughes2000, section 3.7):
-/// corners s t u (s + t + u - 5) / 8; the middle of an edge along xi (1 - xi^2) t u / 4.
+/// corners s t u (s + t + u - 5) / 8; mid-edge node along xi (1 - xi^2) t u / 4.
 struct Hex20 {
   static constexpr mesh::ElementShape kShape = mesh::ElementShape::kHex20;
   static constexpr int kNodes = 20;
@@ -41,7 +41,7 @@ struct Hex20 {
       if (a < 8) {
         N[a] = s.prod() * (s.sum() - 5.0) / 8.0;
       } else {
-        const int d = axis_of_edge(a);  // There s is 1.
+        const int d = axis_of_edge(a);  // s is 1 along it.
         N[a] = s.prod() * (1.0 - xi[d] * xi[d]) / 4.0;
       }
     }
@@ -66,13 +66,13 @@ struct Hex20 {
     return dN;
   }
 
-  /// 3 x 3 x 3: exact for the stiffness of parallelepipeds, and for the volume of all.
+  /// 3 x 3 x 3: exact for the stiffness of parallelepipeds and for the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     return at_points<Hex20>(product(product(gauss_3(), gauss_3()), gauss_3()));
   }
 
  private:
-  /// Along which coordinate the edge of node a, 8 to 19, runs.
+  /// \returns the coordinate along the edge of node a, 8 to 19.
   static constexpr int axis_of_edge(int a) { return a >= 16 ? 2 : a % 2; }
 };
 

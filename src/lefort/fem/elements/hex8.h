@@ -48,7 +48,7 @@ struct Hex8 {
     return dN;
   }
 
-  /// 2 x 2 x 2: exact for the stiffness of parallelepipeds, and for the volume of all.
+  /// 2 x 2 x 2: exact for the stiffness of parallelepipeds and for the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     return at_points<Hex8>(product(product(gauss_2(), gauss_2()), gauss_2()));
   }

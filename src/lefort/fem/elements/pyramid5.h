@@ -1,5 +1,5 @@
 /// \file
-/// The pyramid with five nodes: between hexahedra and tetrahedra.
+/// The pyramid with five nodes: connects hexahedra and tetrahedra.
 ///
 ///            4              Reference coordinates |xi|, |eta| <= 1 - zeta, zeta from 0 to 1:
 ///          .'|`.              node 0 (-1,-1,0)   node 1 ( 1,-1,0)
@@ -15,13 +15,13 @@
 
 namespace lefort::fem {
 
-/// Bedrosian's rational functions \cite bedrosian1992. With a = xi / (1 - zeta) and
+/// Rational shape functions (\cite bedrosian1992). With a = xi / (1 - zeta) and
 /// b = eta / (1 - zeta): N_i = (1 - zeta) (1 + xi_i a) (1 + eta_i b) / 4 for the base, N_4 = zeta.
 ///
-/// Bilinear on the base and linear on the triangles, so that all faces fit those of hexahedra,
-/// wedges and tetrahedra; and as functions of position the same as those of a hexahedron whose
-/// upper nodes are one. Gradients depend on (a, b) alone: all is constant along each ray from the
-/// apex. There they have no single value; gradients() gives that of the axis.
+/// They are bilinear on the base and linear on the triangles, so that faces match those of
+/// hexahedra, wedges and tetrahedra. As functions of position they equal those of a hexahedron
+/// whose upper nodes coincide. Gradients depend on (a, b) only: they are constant along each ray
+/// from the apex. At the apex they are not unique; gradients() returns those of the axis.
 struct Pyramid5 {
   static constexpr mesh::ElementShape kShape = mesh::ElementShape::kPyramid5;
   static constexpr int kNodes = 5;
@@ -58,8 +58,8 @@ struct Pyramid5 {
     return dN;
   }
 
-  /// 2 x 2 over the rays, each with one point at the height of the centroid: exact along the rays
-  /// for any law and shape, for the stiffness of affine images, and for the volume of all.
+  /// 2 x 2 rays, each with one point at the height of the centroid: exact along the rays for any
+  /// law and shape, for the stiffness of affine images, and for the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     constexpr double kHeight = 0.25;
     Rule<3, kPoints> rule;
@@ -72,7 +72,7 @@ struct Pyramid5 {
   }
 
  private:
-  /// The ray from the apex through xi: a and b; the axis for the apex itself.
+  /// \returns (a, b) of the ray from the apex through xi; the axis for the apex itself.
   static std::array<double, 2> ray(const Vec3& xi) {
     const double width = 1.0 - xi[2];
     if (width == 0.0) return {0.0, 0.0};

@@ -1,5 +1,5 @@
 /// \file
-/// What an element shape tells about one of its integration points.
+/// Interface of element and face shapes, and their quadrature points.
 ///
 /// A shape (tet4.h, hex20.h, ... and those of ../faces) is an empty struct with
 ///
@@ -23,7 +23,7 @@ namespace lefort::fem {
 template <int kDim>
 struct RulePoint {
   Eigen::Matrix<double, kDim, 1> xi;
-  double weight = 0.0;  ///< Share of the reference element's length, area or volume.
+  double weight = 0.0;  ///< The weights sum to the length, area or volume.
 };
 
 template <int kDim, std::size_t kCount>
@@ -32,13 +32,13 @@ using Rule = std::array<RulePoint<kDim>, kCount>;
 /// A point of a rule, with the shape functions there.
 template <int kNodes, int kDim = 3>
 struct QuadraturePoint {
-  double weight = 0.0;                 ///< Share of the reference element's volume or area.
+  double weight = 0.0;                 ///< As in the rule.
   Eigen::Matrix<double, kNodes, 1> N;  ///< Value of each shape function.
   Eigen::Matrix<double, kDim, kNodes>
       dN_dxi;  ///< Column a: gradient of N_a in reference coordinates.
 };
 
-/// `rule` with the functions and gradients of `Shape` at each point.
+/// \returns `rule` with the shape functions of `Shape` and their gradients at each point.
 template <class Shape, int kDim, std::size_t kCount>
 [[nodiscard]] std::array<QuadraturePoint<Shape::kNodes, kDim>, kCount> at_points(
     const Rule<kDim, kCount>& rule) {

@@ -1,5 +1,5 @@
 /// \file
-/// The rules that elements and faces integrate energies and loads with, and their products.
+/// Quadrature rules of elements and faces, and their products.
 #pragma once
 
 #include <lefort/fem/elements/quadrature_point.h>
@@ -8,28 +8,28 @@
 
 namespace lefort::fem {
 
-/// Gauss, on [-1, 1]: two points, exact to degree 3 (\cite hughes2000, section 3.8).
+/// Gauss rule on [-1, 1] with two points, exact to degree 3 (\cite hughes2000, section 3.8).
 [[nodiscard]] inline Rule<1, 2> gauss_2() {
   using Xi = Eigen::Matrix<double, 1, 1>;
   const double g = 1.0 / std::sqrt(3.0);
   return {{{Xi(-g), 1.0}, {Xi(g), 1.0}}};
 }
 
-/// Three points, exact to degree 5.
+/// Gauss rule on [-1, 1] with three points, exact to degree 5.
 [[nodiscard]] inline Rule<1, 3> gauss_3() {
   using Xi = Eigen::Matrix<double, 1, 1>;
   const double g = std::sqrt(0.6);
   return {{{Xi(-g), 5.0 / 9.0}, {Xi(0.0), 8.0 / 9.0}, {Xi(g), 5.0 / 9.0}}};
 }
 
-/// On the triangle xi, eta >= 0, xi + eta <= 1: three inner points, exact to degree 2
-/// \cite hammer1956.
+/// Three interior points of the triangle xi, eta >= 0, xi + eta <= 1, exact to degree 2
+/// (\cite hammer1956).
 [[nodiscard]] inline Rule<2, 3> triangle_3() {
   constexpr double kNear = 2.0 / 3.0, kFar = 1.0 / 6.0, kWeight = 1.0 / 6.0;
   return {{{{kFar, kFar}, kWeight}, {{kNear, kFar}, kWeight}, {{kFar, kNear}, kWeight}}};
 }
 
-/// Six points, exact to degree 4 (\cite dunavant1985, there as decimals).
+/// Six points of that triangle, exact to degree 4 (\cite dunavant1985, there as decimals).
 [[nodiscard]] inline Rule<2, 6> triangle_6() {
   const double root = std::sqrt(38.0 - 44.0 * std::sqrt(0.4));
   const double weight_root = std::sqrt(213125.0 - 53320.0 * std::sqrt(10.0));
@@ -46,7 +46,8 @@ namespace lefort::fem {
   return rule;
 }
 
-/// The rule on the product of two reference elements; the second one's coordinates come last.
+/// \returns the rule on the product of two reference elements; the coordinates of `b` come
+///   last.
 template <int kDimA, std::size_t kCountA, int kDimB, std::size_t kCountB>
 [[nodiscard]] Rule<kDimA + kDimB, kCountA * kCountB> product(const Rule<kDimA, kCountA>& a,
                                                              const Rule<kDimB, kCountB>& b) {

@@ -1,5 +1,5 @@
 /// \file
-/// An element in its reference configuration: where strain is taken, and for how much volume.
+/// An element in the reference configuration: gradients and volumes of its quadrature points.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -12,14 +12,14 @@
 
 namespace lefort::fem {
 
-/// Where strain is taken in one element: gradients by the reference position X.
+/// A quadrature point of one element, with gradients by the reference position X.
 template <class Element>
 struct ReferencePoint {
   Eigen::Matrix<double, 3, Element::kNodes> dN_dX;  ///< Column a: gradient of N_a [1/mm].
-  double volume_mm3 = 0.0;                          ///< Reference volume it stands for.
+  double volume_mm3 = 0.0;                          ///< Weight times Jacobian.
 };
 
-/// The points of one element.
+/// The quadrature points of one element.
 template <class Element>
 using ReferenceElement = std::array<ReferencePoint<Element>, Element::kPoints>;
 
@@ -33,14 +33,14 @@ template <class Element, class Positions>
   return x * point.dN_dX.transpose();
 }
 
-/// Why an element cannot be used: where its Jacobian, by which the volume grows, is not positive.
+/// Position of a reference Jacobian that is not positive: the element is invalid.
 struct ElementFault {
-  int node = -1;  ///< The local node where; -1 at an integration point: no volume there at all.
+  int node = -1;  ///< Local node; -1 for a quadrature point.
 };
 
 namespace internal {
 
-/// The gradients at the nodes of the reference element.
+/// \returns the gradients at the nodes of the reference element.
 template <class Element>
 std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients_at_nodes() {
   std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients;
@@ -51,21 +51,21 @@ std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients
 
 }  // namespace internal
 
-/// The Jacobian must be positive, but for round-off, at the integration points and at the nodes,
-/// where the sides of a bad element fold first. (In between it may still not be: to know that of a
-/// curved element would need bounds on the whole polynomial.) At the apex of a pyramid it has no
-/// single value; those along its edges are the ones at the corners of the base.
+/// The Jacobian must be positive beyond round-off at the quadrature points and at the nodes, where
+/// a bad element folds first. (It may still be negative elsewhere in a curved element; to exclude
+/// that, bounds of the whole polynomial would be needed.) At the apex of a pyramid it is not
+/// unique; its values along the edges are those at the corners of the base.
 ///
 /// \param X  reference positions of the nodes [mm].
-/// \returns gradients and volumes at the integration points, or the first fault found.
+/// \returns gradients and volumes at the quadrature points, or the first invalid position.
 template <class Element>
 [[nodiscard]] tl::expected<ReferenceElement<Element>, ElementFault> reference_element(
     const ElementNodes<Element>& X) {
-  constexpr double kFlat = 1e-12;  // Least volume, as a share of the longest edge's cube.
+  constexpr double kMinVolume = 1e-12;  // Relative to the cube of the longest edge; round-off.
   double longest = 0.0;
   for (int a = 1; a < Element::kNodes; ++a)
     longest = std::max(longest, (X.col(a) - X.col(0)).norm());
-  const double minimum = kFlat * longest * longest * longest;
+  const double minimum = kMinVolume * longest * longest * longest;
 
   static const auto kQuadrature = Element::quadrature();
   static const auto kAtNodes = internal::gradients_at_nodes<Element>();

@@ -1,7 +1,7 @@
 /// \file
 /// The tetrahedron with ten nodes: quadratic displacement, linear strain.
 ///
-/// Corners 0 to 3 as in tet4.h; then the middles of the edges, as VTK_QUADRATIC_TETRA:
+/// Corners 0 to 3 as in tet4.h; then the mid-edge nodes, as VTK_QUADRATIC_TETRA:
 ///   4 (0,1)   5 (1,2)   6 (2,0)   7 (0,3)   8 (1,3)   9 (2,3)
 #pragma once
 
@@ -28,7 +28,7 @@ struct Tet10 {
     return xi;
   }
 
-  /// Where the four corner functions have the values L.
+  /// \returns the shape functions where those of tet4 have the values L.
   [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions_at(const Eigen::Vector4d& L) {
     Eigen::Matrix<double, kNodes, 1> N;
     for (int a = 0; a < 4; ++a) N[a] = L[a] * (2.0 * L[a] - 1.0);
@@ -39,7 +39,7 @@ struct Tet10 {
     return N;
   }
 
-  /// Likewise.
+  /// \returns their gradients there.
   [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients_at(const Eigen::Vector4d& L) {
     Eigen::Matrix<double, 3, 4> dL;
     dL << -1, 1, 0, 0,  //
@@ -62,7 +62,7 @@ struct Tet10 {
     return gradients_at({1.0 - xi.sum(), xi[0], xi[1], xi[2]});
   }
 
-  /// Four points, exact for quadratic polynomials (\cite hammer1956), so for the stiffness of
+  /// Four points, exact for quadratic polynomials (\cite hammer1956): for the stiffness of
   /// elements with straight edges.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     const double far = (5.0 - std::sqrt(5.0)) / 20.0;

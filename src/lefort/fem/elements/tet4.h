@@ -41,7 +41,7 @@ struct Tet4 {
     return dN;
   }
 
-  /// One point, the centroid: exact, for the gradients are constant.
+  /// One point, the centroid: exact, since the gradients are constant.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     return at_points<Tet4>(Rule<3, kPoints>{{{Vec3::Constant(0.25), 1.0 / 6.0}}});
   }

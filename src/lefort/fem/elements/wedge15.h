@@ -1,7 +1,7 @@
 /// \file
 /// The wedge with fifteen nodes: quadratic displacement of the serendipity family.
 ///
-/// Corners 0 to 5 as in wedge6.h; then the middles of the edges, as VTK_QUADRATIC_WEDGE:
+/// Corners 0 to 5 as in wedge6.h; then the mid-edge nodes, as VTK_QUADRATIC_WEDGE:
 ///    6 (0,1)    7 (1,2)    8 (2,0)
 ///    9 (3,4)   10 (4,5)   11 (5,3)
 ///   12 (0,3)   13 (1,4)   14 (2,5)
@@ -14,7 +14,7 @@
 namespace lefort::fem {
 
 /// With L0 = 1 - xi - eta, L1 = eta, L2 = xi and u = 1 + zeta_a zeta (\cite zienkiewicz2005):
-/// corners L u (2 L + u - 3) / 2, the edges of the triangles 2 Li Lj u, the upright ones
+/// corners L u (2 L + u - 3) / 2, edges of the triangles 2 Li Lj u, other edges
 /// L (1 - zeta^2).
 struct Wedge15 {
   static constexpr mesh::ElementShape kShape = mesh::ElementShape::kWedge15;
@@ -66,7 +66,7 @@ struct Wedge15 {
   }
 
   /// 6 of the triangle x 3: exact for the stiffness of right wedges and their affine images, and
-  /// for the volume of all.
+  /// for the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     return at_points<Wedge15>(product(triangle_6(), gauss_3()));
   }

@@ -1,5 +1,5 @@
 /// \file
-/// The wedge with six nodes: a triangle, linear, times a line, linear.
+/// The wedge with six nodes: linear in the triangle times linear along the axis.
 ///
 ///         4
 ///        /|`.           Reference coordinates xi, eta >= 0, xi + eta <= 1; zeta from -1 to 1:
@@ -8,7 +8,7 @@
 ///      |  1.   |          node 2 (1,0,-1)   node 5 (1,0,1)
 ///      | /  `. |        As VTK_WEDGE is documented: seen from below, from outside, nodes 0, 1, 2
 ///      |/     `|        turn counter-clockwise. (VTK's own parametric coordinates, and many
-///      0-------2        programs, have 1 and 2, 4 and 5 the other way round.)
+///      0-------2        programs, exchange 1 and 2, and 4 and 5.)
 #pragma once
 
 #include <lefort/fem/elements/quadrature_point.h>
@@ -50,7 +50,7 @@ struct Wedge6 {
   }
 
   /// 3 of the triangle x 2: exact for the stiffness of right wedges and their affine images, and
-  /// for the volume of all.
+  /// for the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     return at_points<Wedge6>(product(triangle_3(), gauss_2()));
   }

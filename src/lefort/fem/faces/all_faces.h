@@ -24,10 +24,10 @@
 
 namespace lefort::fem {
 
-/// To add a shape: its file beside this one, and its name here.
+/// To add a shape: add its file to this folder and its name here.
 using AnyFace = std::variant<Tri3, Quad4, Tri6, Quad8>;
 
-/// The face of that shape, for std::visit.
+/// \returns the face of this shape, for std::visit.
 [[nodiscard]] inline AnyFace face_of(mesh::FaceShape shape) {
   return internal::find_shape(shape, AnyFace{});
 }
@@ -44,14 +44,16 @@ template <class Shape>
   return x;
 }
 
-/// Columns: dx/dxi and dx/deta [mm]; their cross product points out of the body.
+/// Columns: dx/dxi and dx/deta [mm]; their cross product points outward.
 template <class Shape>
 [[nodiscard]] Eigen::Matrix<double, 3, 2> tangents(const FaceNodes<Shape>& x,
                                                    const QuadraturePoint<Shape::kNodes, 2>& point) {
   return x * point.dN_dxi.transpose();
 }
 
-/// The area that a point with these tangents stands for, as a vector out of the body [mm^2].
+/// \param tangents  of a point.
+/// \param weight    of the point.
+/// \returns the outward area vector of the point [mm^2].
 [[nodiscard]] inline Vec3 area_mm2(const Eigen::Matrix<double, 3, 2>& tangents, double weight) {
   return weight * tangents.col(0).cross(tangents.col(1));
 }

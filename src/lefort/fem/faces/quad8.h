@@ -1,7 +1,7 @@
 /// \file
 /// The quadrilateral with eight nodes: a face of hex20 and wedge15.
 ///
-/// Corners 0 to 3 as in quad4.h; then the middles of the sides, as VTK_QUADRATIC_QUAD:
+/// Corners 0 to 3 as in quad4.h; then the mid-edge nodes, as VTK_QUADRATIC_QUAD:
 ///   4 (0,1)   5 (1,2)   6 (2,3)   7 (3,0)
 #pragma once
 
@@ -12,7 +12,7 @@
 namespace lefort::fem {
 
 /// With s = 1 + xi_a xi, t = 1 + eta_a eta (\cite hughes2000, section 3.7): corners
-/// s t (s + t - 3) / 4, the middle of a side along xi (1 - xi^2) t / 2.
+/// s t (s + t - 3) / 4, mid-edge node along xi (1 - xi^2) t / 2.
 struct Quad8 {
   static constexpr mesh::FaceShape kShape = mesh::FaceShape::kQuad8;
   static constexpr int kNodes = 8;
@@ -31,7 +31,7 @@ struct Quad8 {
     for (int a = 0; a < kNodes; ++a) {
       const double s = 1.0 + at(0, a) * xi[0];
       const double t = 1.0 + at(1, a) * xi[1];
-      const int d = a % 2;  // Along which coordinate the side of a middle node runs.
+      const int d = a % 2;  // Coordinate along the edge of a mid-edge node.
       N[a] = a < 4 ? s * t * (s + t - 3.0) / 4.0 : s * t * (1.0 - xi[d] * xi[d]) / 2.0;
     }
     return N;

@@ -1,7 +1,7 @@
 /// \file
 /// The triangle with six nodes: a face of tet10 and wedge15.
 ///
-/// Corners 0 to 2 as in tri3.h; then the middles of the sides, as VTK_QUADRATIC_TRIANGLE:
+/// Corners 0 to 2 as in tri3.h; then the mid-edge nodes, as VTK_QUADRATIC_TRIANGLE:
 ///   3 (0,1)   4 (1,2)   5 (2,0)
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace lefort::fem {
 
-/// With L0 = 1 - xi - eta, L1 = xi, L2 = eta: corners L (2 L - 1), sides 4 Li Lj.
+/// With L0 = 1 - xi - eta, L1 = xi, L2 = eta: corners L (2 L - 1), mid-edge nodes 4 Li Lj.
 struct Tri6 {
   static constexpr mesh::FaceShape kShape = mesh::FaceShape::kTri6;
   static constexpr int kNodes = 6;

@@ -12,7 +12,7 @@
 namespace lefort::fem {
 namespace {
 
-/// The forces gathered so far, by node.
+/// Sums of forces by node.
 using ForceOfNode = std::map<std::int32_t, Vec3>;
 
 std::vector<NodalForce> in_order(const ForceOfNode& forces) {
@@ -94,9 +94,8 @@ Result<std::vector<NodalForce>> body_forces(const mesh::VolumeMesh& mesh,
           },
           element_of(block.shape));
       if (!has_volume)
-        return fail(
-            ErrorCode::kElementInverted,
-            fmt::format("element {} is flat or inside out, its volume must be > 0", number));
+        return fail(ErrorCode::kElementInverted,
+                    fmt::format("element {} is flat or inverted, its volume must be > 0", number));
     }
   return in_order(forces);
 }
@@ -105,14 +104,14 @@ DeadLoad::DeadLoad(std::span<const Vec3> nodes_L, std::span<const NodalForce> fo
   for (const NodalForce& force : forces) {
     LEFORT_CHECK(force.node >= 0 && std::size_t(force.node) < nodes_L.size());
     nodes_.push_back(force.node);
-    rest_L_.push_back(nodes_L[std::size_t(force.node)]);
+    reference_L_.push_back(nodes_L[std::size_t(force.node)]);
     force_n_.push_back(force.force_n);
   }
 }
 
 bool DeadLoad::evaluate(Index item, std::span<const Vec3> x_L, LocalEquations& local) const {
   const Vec3 force_n = factor_ * force_n_[std::size_t(item)];
-  local.energy_mj = -force_n.dot(x_L[0] - rest_L_[std::size_t(item)]);
+  local.energy_mj = -force_n.dot(x_L[0] - reference_L_[std::size_t(item)]);
   local.residual_n = -force_n;
   return true;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Forces that keep their size and direction however the body deforms.
+/// Dead loads: forces of constant magnitude and direction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -20,40 +20,40 @@ struct NodalForce {
   Vec3 force_n = Vec3::Zero();
 };
 
-/// What does the same work on the nodes as a traction, constant per reference area, on `faces`:
-/// f_a = t * (integral of N_a dA).
+/// Work-equivalent nodal forces of a traction that is constant per reference area:
+/// f_a = t (integral of N_a dA).
 ///
 /// \param nodes_L       reference positions of all nodes [mm].
-/// \param faces         of the mesh's boundary.
+/// \param faces         of the boundary of the mesh.
 /// \param traction_mpa  t [MPa], in L, on the body.
 /// \returns one force per node of `faces`, ascending; or kMeshInvalid if a face names a node that
-///   does not exist or has no finite position, or kInvalidArgument if t is not finite.
+///   does not exist or has no finite position; or kInvalidArgument if t is not finite.
 [[nodiscard]] Result<std::vector<NodalForce>> traction_forces(std::span<const Vec3> nodes_L,
                                                               std::span<const mesh::Face> faces,
                                                               const Vec3& traction_mpa);
 
-/// What regions bear per reference volume [N/mm^3], in L. Weight is density times gravity: t/mm^3
-/// times mm/s^2.
+/// Body forces of regions per reference volume [N/mm^3], in L. Weight is density [t/mm^3] times
+/// gravity [mm/s^2].
 using RegionBodyForces = std::map<std::int32_t, Vec3>;
 
-/// What does the same work on the nodes as body forces: f_a = b * (integral of N_a dV).
+/// Work-equivalent nodal forces of body forces: f_a = b (integral of N_a dV).
 ///
 /// \param mesh         accepted by make_element_terms().
-/// \param body_forces  regions that are not named bear nothing.
+/// \param body_forces  b of each region; zero for regions that are not listed.
 /// \returns one force per node of those regions, ascending; or kElementInverted if one of their
-///   elements has no positive reference volume, or kInvalidArgument if a force is not finite or a
+///   elements has no positive reference volume; or kInvalidArgument if a force is not finite or a
 ///   region does not occur in `mesh`.
 [[nodiscard]] Result<std::vector<NodalForce>> body_forces(const mesh::VolumeMesh& mesh,
                                                           const RegionBodyForces& body_forces);
 
-/// W = -factor * (sum over nodes of f_a . u_a). An item is a node.
+/// W = -factor (sum over nodes of f_a . u_a). An item is a node.
 class DeadLoad final : public ForceTerm {
  public:
   /// \param nodes_L  reference positions of all nodes [mm].
-  /// \param forces   at factor 1; a node may occur more than once. \pre their nodes exist.
+  /// \param forces   for factor 1; a node may occur more than once. \pre their nodes exist.
   DeadLoad(std::span<const Vec3> nodes_L, std::span<const NodalForce> forces);
 
-  /// Starts at 1. Not while the term is being evaluated.
+  /// Initially 1. Not while the term is being evaluated.
   void set_factor(double factor) { factor_ = factor; }
 
   [[nodiscard]] Index item_count() const override { return Index(nodes_.size()); }
@@ -65,7 +65,7 @@ class DeadLoad final : public ForceTerm {
 
  private:
   std::vector<std::int32_t> nodes_;
-  std::vector<Vec3> rest_L_;
+  std::vector<Vec3> reference_L_;
   std::vector<Vec3> force_n_;
   double factor_ = 1.0;
 };

@@ -10,16 +10,16 @@
 namespace lefort::fem {
 namespace {
 
-/// [v]x, so that [v]x w = v x w.
+/// \returns [v]x with [v]x w = v x w.
 Mat3 cross_matrix(const Vec3& v) {
   Mat3 m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return m;
 }
 
-/// Adds what one point contributes. With tangents g1, g2 of the face as it is and G1, G2 as it was,
-/// the face turns on the straight way between them as n(t), a polynomial of degree 2 whose mean is
-///   (2 G1 x G2 + G1 x g2 + g1 x G2 + 2 g1 x g2) / 6 .
+/// Adds the contribution of one point. With current tangents g1, g2 and reference tangents G1, G2,
+/// the normal on the straight path, n(t), is a polynomial of degree 2 whose mean is
+///   (2 G1 x G2 + G1 x g2 + g1 x G2 + 2 g1 x g2) / 6
 template <class Shape>
 void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
                const QuadraturePoint<Shape::kNodes, 2>& point, double pressure_mpa,
@@ -36,13 +36,13 @@ void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
   Eigen::Map<FaceNodes<Shape>>(local.residual_n.data()).noalias() += p * n * point.N.transpose();
   if (!local.wants_stiffness() || local.tangent == Tangent::kPsdProjected) return;
 
-  // dn = dg1 x g2 + g1 x dg2, so node b turns n by dN_b/deta [g1]x - dN_b/dxi [g2]x, antisymmetric.
+  // dn = dg1 x g2 + g1 x dg2: dn/dx_b = dN_b/deta [g1]x - dN_b/dxi [g2]x, antisymmetric.
   const double sign = local.tangent == Tangent::kAntisymmetric ? 1.0 : -1.0;
   const Mat3 g1 = cross_matrix(g.col(0));
   const Mat3 g2 = cross_matrix(g.col(1));
   for (int b = 0; b < Shape::kNodes; ++b)
     for (int a = 0; a < Shape::kNodes; ++a) {
-      // Half of N_a dn/dx_b plus or minus half of its transpose with a and b exchanged.
+      // Half of N_a dn/dx_b, plus or minus half of its transpose with a and b exchanged.
       const double of_g1 = point.N[a] * point.dN_dxi(1, b) + sign * point.N[b] * point.dN_dxi(1, a);
       const double of_g2 = point.N[a] * point.dN_dxi(0, b) + sign * point.N[b] * point.dN_dxi(0, a);
       local.stiffness_n_per_mm.template block<3, 3>(3 * a, 3 * b) +=
@@ -50,29 +50,29 @@ void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
     }
 }
 
-/// The nodes of one side of a face: its ends, the lower first, and its middle or -1.
-using FaceSide = std::array<std::int32_t, 3>;
+/// The nodes of one edge of a face: its ends, the lower first, and its mid-edge node or -1.
+using FaceEdge = std::array<std::int32_t, 3>;
 
-std::vector<FaceSide> domains_of(const mesh::Face& face) {
+std::vector<FaceEdge> edges_of(const mesh::Face& face) {
   const auto corners = std::size_t(mesh::corner_count(face.shape));
-  const bool has_middles = mesh::nodes_of(face).size() > corners;
-  std::vector<FaceSide> sides;
+  const bool has_mid_nodes = mesh::nodes_of(face).size() > corners;
+  std::vector<FaceEdge> edges;
   for (std::size_t a = 0; a < corners; ++a) {
     const auto [low, high] = std::minmax(face.nodes[a], face.nodes[(a + 1) % corners]);
-    sides.push_back({low, high, has_middles ? face.nodes[corners + a] : -1});
+    edges.push_back({low, high, has_mid_nodes ? face.nodes[corners + a] : -1});
   }
-  return sides;
+  return edges;
 }
 
-/// The nodes of sides that belong to one face alone, ascending, each once.
-std::vector<std::int32_t> rim_nodes(std::span<const mesh::Face> faces) {
-  std::map<FaceSide, int> uses;
+/// \returns the nodes of edges with one face, ascending, each once.
+std::vector<std::int32_t> border_nodes(std::span<const mesh::Face> faces) {
+  std::map<FaceEdge, int> uses;
   for (const mesh::Face& face : faces)
-    for (const FaceSide& side : domains_of(face)) ++uses[side];
+    for (const FaceEdge& edge : edges_of(face)) ++uses[edge];
   std::vector<std::int32_t> nodes;
-  for (const auto& [side, count] : uses)
+  for (const auto& [edge, count] : uses)
     if (count != 2)
-      for (const std::int32_t node : side)
+      for (const std::int32_t node : edge)
         if (node >= 0) nodes.push_back(node);
   std::ranges::sort(nodes);
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -86,11 +86,11 @@ Result<std::unique_ptr<FollowerPressure>> FollowerPressure::build(std::span<cons
   LEFORT_TRY_VOID(validate_load_faces(nodes_L, faces));
   std::unique_ptr<FollowerPressure> pressure(new FollowerPressure());
   for (const mesh::Face& face : faces) {
-    std::array<Vec3, 8>& rest_L = pressure->rest_L_.emplace_back();
+    std::array<Vec3, 8>& reference_L = pressure->reference_L_.emplace_back();
     for (std::size_t a = 0; a < mesh::nodes_of(face).size(); ++a)
-      rest_L[a] = nodes_L[std::size_t(face.nodes[a])];
+      reference_L[a] = nodes_L[std::size_t(face.nodes[a])];
   }
-  pressure->rim_nodes_ = rim_nodes(faces);
+  pressure->border_nodes_ = border_nodes(faces);
   pressure->faces_ = std::move(faces);
   return pressure;
 }
@@ -103,7 +103,7 @@ bool FollowerPressure::evaluate(Index item, std::span<const Vec3> x_L,
                                 LocalEquations& local) const {
   std::visit(
       [&]<class Shape>(const Shape&) {
-        const Eigen::Map<const FaceNodes<Shape>> X(rest_L_[std::size_t(item)].data()->data());
+        const Eigen::Map<const FaceNodes<Shape>> X(reference_L_[std::size_t(item)].data()->data());
         const Eigen::Map<const FaceNodes<Shape>> x(x_L.data()->data());
         static const auto kQuadrature = Shape::quadrature();
         for (const auto& point : kQuadrature) add_point<Shape>(X, x, point, pressure_mpa_, local);
@@ -113,7 +113,7 @@ bool FollowerPressure::evaluate(Index item, std::span<const Vec3> x_L,
 }
 
 bool FollowerPressure::is_conservative(const DofMap& dofs) const {
-  return std::ranges::all_of(rim_nodes_, [&](std::int32_t node) {
+  return std::ranges::all_of(border_nodes_, [&](std::int32_t node) {
     for (int c = 0; c < 3; ++c)
       if (dofs.free_number(3 * Index(node) + c) >= 0) return false;
     return true;

@@ -18,39 +18,41 @@
 namespace lefort::fem {
 namespace {
 
-/// One node of one element, and what its patch must have in common with others.
+/// One node of one element. Corners with the same node and region form a patch.
 struct ElementCorner {
   std::int32_t node;
   std::int32_t region;
-  std::int32_t part;
-  std::size_t place;         ///< Among the nodes of all parts.
+  std::int32_t element;
+  std::size_t place;         ///< In the node lists of all elements.
   double solid_angle = 0.0;  ///< At this node, in this element.
 };
 
-bool belong_together(const ElementCorner& a, const ElementCorner& b) {
+bool are_in_one_patch(const ElementCorner& a, const ElementCorner& b) {
   return a.node == b.node && a.region == b.region;
 }
 
-/// Where a node lies, by the solid angle of the elements around it.
-enum class NodeLocation : std::uint8_t { kCorner, kEdge, kFace, kInside };
+/// Location of a node in the body, outermost first.
+enum class NodeLocation : std::uint8_t { kCorner, kEdge, kFace, kInterior };
 
-/// Halfway between what a cube has in a corner (1/8), on an edge (1/4) and on a face (1/2) of the
-/// full angle; inside there is all of it, but for round-off.
-NodeLocation site_of(double solid_angle) {
+/// \param solid_angle  of the elements around the node. A cube has 1/8 of the full angle at a
+///   corner,
+///   1/4 at an edge and 1/2 at a face; the thresholds are halfway. An interior node has all of it,
+///   except for round-off.
+NodeLocation location_of(double solid_angle) {
   const double fraction = solid_angle / (4.0 * std::numbers::pi);
   if (fraction < 0.1875) return NodeLocation::kCorner;
   if (fraction < 0.375) return NodeLocation::kEdge;
-  return fraction < 0.999 ? NodeLocation::kFace : NodeLocation::kInside;
+  return fraction < 0.999 ? NodeLocation::kFace : NodeLocation::kInterior;
 }
 
-/// Of the corner that three edges span (\cite vanoosterom1983).
+/// \returns the solid angle between three edges (\cite vanoosterom1983).
 double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   return 2.0 * std::atan2(std::abs(a.dot(b.cross(c))),
                           la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
 }
 
-/// At node a, by the edges that meet there: neighbors leave no gap.
+/// \returns the solid angle at node a, from the edges that meet there: no gap to the neighbors.
 template <class Element>
 double solid_angle_at(const ElementNodes<Element>& X, int a) {
   const auto to = [&](int b) -> Vec3 { return X.col(b) - X.col(a); };
@@ -66,21 +68,22 @@ double solid_angle_at(const ElementNodes<Element>& X, int a) {
   }
 }
 
-/// Adds factor * d2J/dx2: moving node b by v changes dJ/dx_a by v x (F (g_a x g_b)).
-void add_turning(double factor, const Mat3& F, std::span<const Vec3> gradients,
-                 std::span<const std::uint8_t> places, LocalEquations& local) {
-  for (std::size_t a = 0; a < places.size(); ++a)
-    for (std::size_t b = 0; b < places.size(); ++b) {
+/// Adds factor * d2J/dx2: a displacement v of node b changes dJ/dx_a by v x (F (g_a x g_b)).
+void add_geometric_stiffness(double factor, const Mat3& F, std::span<const Vec3> gradients,
+                             std::span<const std::uint8_t> local_nodes, LocalEquations& local) {
+  for (std::size_t a = 0; a < local_nodes.size(); ++a)
+    for (std::size_t b = 0; b < local_nodes.size(); ++b) {
       const Vec3 w = factor * (F * gradients[a].cross(gradients[b]));
-      Mat3 turn;  // v -> v x w.
-      turn << 0.0, w.z(), -w.y(), -w.z(), 0.0, w.x(), w.y(), -w.x(), 0.0;
-      local.stiffness_n_per_mm.block<3, 3>(3 * Index(places[a]), 3 * Index(places[b])) += turn;
+      Mat3 cross;  // v -> v x w.
+      cross << 0.0, w.z(), -w.y(), -w.z(), 0.0, w.x(), w.y(), -w.x(), 0.0;
+      local.stiffness_n_per_mm.block<3, 3>(3 * Index(local_nodes[a]), 3 * Index(local_nodes[b])) +=
+          cross;
     }
 }
 
 }  // namespace
 
-/// Collects elements, then sorts their corners into patches.
+/// Collects the elements, then sorts their corners into patches.
 class AveragedNodalPressure::Builder {
  public:
   /// \param nodes  of the element.
@@ -90,7 +93,7 @@ class AveragedNodalPressure::Builder {
     for (int a = 0; a < Element::kNodes; ++a) X.col(a) = mesh.nodes_L[std::size_t(nodes[a])];
     const auto points = reference_element<Element>(X);
     LEFORT_CHECK(points.has_value());
-    const auto part = std::int32_t(term_->geometries_.size());
+    const auto element = std::int32_t(term_->geometries_.size());
     term_->geometries_.push_back({.points = Element::kPoints,
                                   .nodes = Element::kNodes,
                                   .first_gradient = Index(term_->gradients_.size()),
@@ -102,12 +105,12 @@ class AveragedNodalPressure::Builder {
     first_node_.push_back(element_nodes_.size());
     for (int a = 0; a < Element::kNodes; ++a) {
       corners_.push_back(
-          {nodes[a], region, part, element_nodes_.size(), solid_angle_at<Element>(X, a)});
+          {nodes[a], region, element, element_nodes_.size(), solid_angle_at<Element>(X, a)});
       element_nodes_.push_back(nodes[a]);
     }
   }
 
-  /// To be called after each element of the mesh, whether or not it was added.
+  /// Call after each element of the mesh, whether or not it was added.
   void end_element() { term_->end_of_corners_.push_back(std::int32_t(element_nodes_.size())); }
 
   std::unique_ptr<AveragedNodalPressure> build(const RegionMaterials& materials) {
@@ -115,81 +118,81 @@ class AveragedNodalPressure::Builder {
     std::ranges::stable_sort(corners_, [](const ElementCorner& a, const ElementCorner& b) {
       return std::tie(a.node, a.region) < std::tie(b.node, b.region);
     });
-    drop_outer_corners();
+    keep_innermost_corners();
     term_->patch_of_corner_.assign(element_nodes_.size(), -1);
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const ElementCorner& corner = corners_[k];
-      if (k == 0 || !belong_together(corners_[k - 1], corner) ||
-          !nodes_.has_room_for(nodes_of(corner.part)))
+      if (k == 0 || !are_in_one_patch(corners_[k - 1], corner) ||
+          !nodes_.has_room_for(nodes_of(corner.element)))
         open_patch(materials.at(corner.region));
-      add_member(corner);
+      add_to_patch(corner);
     }
     term_->patch_nodes_ = nodes_.take();
     return std::move(term_);
   }
 
  private:
-  [[nodiscard]] std::span<const std::int32_t> nodes_of(std::int32_t part) const {
-    return {element_nodes_.data() + first_node_[std::size_t(part)],
-            std::size_t(term_->geometries_[std::size_t(part)].nodes)};
+  [[nodiscard]] std::span<const std::int32_t> nodes_of(std::int32_t element) const {
+    return {element_nodes_.data() + first_node_[std::size_t(element)],
+            std::size_t(term_->geometries_[std::size_t(element)].nodes)};
   }
 
-  /// Leaves each element those of its nodes that lie furthest in. \pre Corners are sorted.
-  void drop_outer_corners() {
-    std::vector<NodeLocation> sites(element_nodes_.size());
+  /// Removes all corners except those at the innermost nodes of each element. \pre sorted corners.
+  void keep_innermost_corners() {
+    std::vector<NodeLocation> locations(element_nodes_.size());
     for (auto first = corners_.begin(); first != corners_.end();) {
       const auto last = std::find_if_not(first, corners_.end(), [&](const ElementCorner& c) {
-        return belong_together(*first, c);
+        return are_in_one_patch(*first, c);
       });
       double sum = 0.0;
       for (auto corner = first; corner != last; ++corner) sum += corner->solid_angle;
-      for (; first != last; ++first) sites[first->place] = site_of(sum);
+      for (; first != last; ++first) locations[first->place] = location_of(sum);
     }
-    inner_nodes_.resize(first_node_.size());
-    std::vector<NodeLocation> inmost(first_node_.size());
-    for (std::size_t part = 0; part < first_node_.size(); ++part) {
-      const std::span of_part(sites.data() + first_node_[part],
-                              std::size_t(term_->geometries_[part].nodes));
-      inmost[part] = std::ranges::max(of_part);
-      inner_nodes_[part] = double(std::ranges::count(of_part, inmost[part]));
+    innermost_nodes_.resize(first_node_.size());
+    std::vector<NodeLocation> innermost(first_node_.size());
+    for (std::size_t element = 0; element < first_node_.size(); ++element) {
+      const std::span of_element(locations.data() + first_node_[element],
+                                 std::size_t(term_->geometries_[element].nodes));
+      innermost[element] = std::ranges::max(of_element);
+      innermost_nodes_[element] = double(std::ranges::count(of_element, innermost[element]));
     }
     std::erase_if(corners_, [&](const ElementCorner& corner) {
-      return sites[corner.place] < inmost[std::size_t(corner.part)];
+      return locations[corner.place] < innermost[std::size_t(corner.element)];
     });
   }
 
   void open_patch(const Material& material) {
     nodes_.open();
     term_->patches_.push_back(
-        {.volume = share_volume(*volumetric_part(material), shear_modulus_at_rest(material),
-                                kNodalStabilizationFraction)
+        {.volume = split_volumetric(*volumetric_part(material), shear_modulus_at_rest(material),
+                                    kNodalStabilizationFraction)
                        .of_mean,
          .nodes = nodes_.last(),
-         .first_member = std::int32_t(term_->members_.size())});
+         .first_element = std::int32_t(term_->patch_elements_.size())});
   }
 
-  void add_member(const ElementCorner& corner) {
+  void add_to_patch(const ElementCorner& corner) {
     NodePatch& patch = term_->patches_.back();
-    const ElementGeometry& part = term_->geometries_[std::size_t(corner.part)];
-    const double fraction = 1.0 / inner_nodes_[std::size_t(corner.part)];
-    term_->members_.push_back({.part = corner.part,
-                               .first_place = std::int32_t(term_->places_.size()),
-                               .fraction = fraction});
-    ++patch.members;
-    for (const std::int32_t node : nodes_of(corner.part))
-      term_->places_.push_back(std::uint8_t(nodes_.add(node)));
+    const ElementGeometry& element = term_->geometries_[std::size_t(corner.element)];
+    const double fraction = 1.0 / innermost_nodes_[std::size_t(corner.element)];
+    term_->patch_elements_.push_back({.element = corner.element,
+                                      .first_local = std::int32_t(term_->local_nodes_.size()),
+                                      .fraction = fraction});
+    ++patch.element_count;
+    for (const std::int32_t node : nodes_of(corner.element))
+      term_->local_nodes_.push_back(std::uint8_t(nodes_.add(node)));
     patch.nodes = nodes_.last();
-    for (std::int32_t q = 0; q < part.points; ++q)
-      patch.volume_mm3 += fraction * term_->volumes_mm3_[std::size_t(part.first_volume + q)];
+    for (std::int32_t q = 0; q < element.points; ++q)
+      patch.volume_mm3 += fraction * term_->volumes_mm3_[std::size_t(element.first_volume + q)];
     term_->patch_of_corner_[corner.place] = std::int32_t(term_->patches_.size()) - 1;
   }
 
   std::unique_ptr<AveragedNodalPressure> term_{new AveragedNodalPressure()};
   NodeListBuilder nodes_;
   std::vector<ElementCorner> corners_;
-  std::vector<std::int32_t> element_nodes_;  ///< Of each part, ...
-  std::vector<std::size_t> first_node_;      ///< ... from here.
-  std::vector<double> inner_nodes_;          ///< Of each part: how many of its nodes have a mean.
+  std::vector<std::int32_t> element_nodes_;  ///< Of all elements.
+  std::vector<std::size_t> first_node_;      ///< Of each element, in element_nodes_.
+  std::vector<double> innermost_nodes_;      ///< Of each element: number of its innermost nodes.
 };
 
 std::unique_ptr<AveragedNodalPressure> AveragedNodalPressure::build(
@@ -219,17 +222,19 @@ std::span<const std::int32_t> AveragedNodalPressure::patches_of(Index number) co
 template <class Function>
 void AveragedNodalPressure::for_each_point(const NodePatch& patch, std::span<const Vec3> x_L,
                                            const Function& f) const {
-  for (std::int32_t m = patch.first_member; m < patch.first_member + patch.members; ++m) {
-    const PatchElement& member = members_[std::size_t(m)];
-    const ElementGeometry& part = geometries_[std::size_t(member.part)];
-    const std::span places(places_.data() + member.first_place, std::size_t(part.nodes));
-    for (std::int32_t q = 0; q < part.points; ++q) {
-      const Index first = part.first_gradient + Index(q) * part.nodes;
-      const std::span gradients(gradients_.data() + first, std::size_t(part.nodes));
+  for (std::int32_t m = patch.first_element; m < patch.first_element + patch.element_count; ++m) {
+    const PatchElement& of_patch = patch_elements_[std::size_t(m)];
+    const ElementGeometry& element = geometries_[std::size_t(of_patch.element)];
+    const std::span local_nodes(local_nodes_.data() + of_patch.first_local,
+                                std::size_t(element.nodes));
+    for (std::int32_t q = 0; q < element.points; ++q) {
+      const Index first = element.first_gradient + Index(q) * element.nodes;
+      const std::span gradients(gradients_.data() + first, std::size_t(element.nodes));
       Mat3 F = Mat3::Zero();
       for (std::size_t a = 0; a < gradients.size(); ++a)
-        F.noalias() += x_L[places[a]] * gradients[a].transpose();
-      f(F, member.fraction * volumes_mm3_[std::size_t(part.first_volume + q)], gradients, places);
+        F.noalias() += x_L[local_nodes[a]] * gradients[a].transpose();
+      f(F, of_patch.fraction * volumes_mm3_[std::size_t(element.first_volume + q)], gradients,
+        local_nodes);
     }
   }
 }
@@ -256,14 +261,15 @@ bool AveragedNodalPressure::evaluate(Index item, std::span<const Vec3> x_L,
   const double pressure = patch.volume.dU_dJ(1.0 + *change);
   local.energy_mj = patch.volume_mm3 * patch.volume.energy_minus_one(*change);
 
-  Eigen::Map<VectorX>& dv = local.residual_n;  // First dv/dx, then p dv/dx.
-  for_each_point(patch, x_L, [&](const Mat3& F, double weight_mm3, auto gradients, auto places) {
-    const Mat3 dJ_dF = weight_mm3 * cofactor(F);
-    for (std::size_t a = 0; a < places.size(); ++a)
-      dv.segment<3>(3 * Index(places[a])) += dJ_dF * gradients[a];
-    if (local.wants_stiffness() && local.tangent == Tangent::kExact)
-      add_turning(pressure * weight_mm3, F, gradients, places, local);
-  });
+  Eigen::Map<VectorX>& dv = local.residual_n;  // dv/dx; multiplied by p at the end.
+  for_each_point(
+      patch, x_L, [&](const Mat3& F, double weight_mm3, auto gradients, auto local_nodes) {
+        const Mat3 dJ_dF = weight_mm3 * cofactor(F);
+        for (std::size_t a = 0; a < local_nodes.size(); ++a)
+          dv.segment<3>(3 * Index(local_nodes[a])) += dJ_dF * gradients[a];
+        if (local.wants_stiffness() && local.tangent == Tangent::kExact)
+          add_geometric_stiffness(pressure * weight_mm3, F, gradients, local_nodes, local);
+      });
   if (local.wants_stiffness()) {
     const double per_volume = patch.volume.d2U_dJ2(1.0 + *change) / patch.volume_mm3;
     for (Index j = 0; j < dv.size(); ++j)

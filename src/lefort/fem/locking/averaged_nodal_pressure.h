@@ -1,5 +1,5 @@
 /// \file
-/// What a change of volume costs in elements that average it around their nodes
+/// Volumetric energy of elements that average the change of volume around nodes
 /// (volumetric_integration.h).
 #pragma once
 
@@ -17,28 +17,30 @@
 
 namespace lefort::fem {
 
-/// W = sum over patches of V U(v / V),   V = sum of s V_e,   v = sum of s v_e ,
+/// Averaged nodal pressure (\cite bonet1998), with averages at the innermost nodes of each element:
 ///
-/// V_e and v_e being the volumes of an element, now and at rest, and U that part of the law's which
-/// the elements do not keep (kNodalStabilizationFraction).
+///   W  = sum over patches a of V_a U(v_a / V_a),   V_a = sum over e of s_ae V_e,
+///                                                  v_a = sum over e of s_ae v_e
+///   dW = sum over elements of (sum over a of s_ae p_a) cof F : dF dV,   p_a = U'(v_a / V_a)
 ///
-/// A patch is a node with the elements around it that are of one region, have a law in split form
-/// and are of a shape that averages around nodes. Each element belongs, in equal shares s, to the
-/// patches of those of its nodes that lie furthest inside such elements: inside before on a face,
-/// on a face before on an edge, on an edge before in a corner. An item is a patch: it couples all
-/// nodes of its elements. Where that would be more than kMaxLocalNodes, the elements around the
-/// node are shared out over several patches.
+/// V_e is the reference volume of an element and v_e its current volume. U is the volumetric energy
+/// of the law without the part that the elements keep (kNodalStabilizationFraction).
 ///
-/// Two things lock otherwise. Means on the border as well are one more than there are layers of
-/// elements to change volume: what they ask of each layer alternates through the whole body. And
-/// weights that vary within an element tell apart, in each, more than its volume.
+/// A patch is a node with the elements around it that belong to one region, have a decoupled law,
+/// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae, to
+/// the patches of its innermost nodes: interior nodes if it has any; else nodes on a face of the
+/// body; else on an edge; else in a corner. An item is a patch. It couples all nodes of its
+/// elements; if these are more than kMaxLocalNodes, the elements are divided between several
+/// patches.
 ///
-/// dW = sum of p cof F : dF dV, p = sum of s p_a, p_a = U'(v / V).
+/// Averages at boundary nodes, too, would be one volume constraint more than there are layers of
+/// elements, and would excite an alternating (checkerboard) change of volume. Weights that vary
+/// within an element would constrain more than its volume. Both lock.
 class AveragedNodalPressure final : public ForceTerm {
  public:
-  /// \param mesh, materials  accepted by make_element_terms(); the term does not refer to them any
-  ///   more.
-  /// \returns nothing if there is no such element.
+  /// \param mesh       accepted by make_element_terms(); not referred to afterwards.
+  /// \param materials  accepted by make_element_terms(); not referred to afterwards.
+  /// \returns the term, or null if no element averages around nodes.
   [[nodiscard]] static std::unique_ptr<AveragedNodalPressure> build(
       const mesh::VolumeMesh& mesh, const RegionMaterials& materials);
 
@@ -47,21 +49,23 @@ class AveragedNodalPressure final : public ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               LocalEquations& local) const override;
 
-  /// What is known at a patch.
+  /// Pressure and energy of one patch.
   struct State {
-    double pressure_mpa = 0.0;        ///< U', tension positive; NaN if a point is inside out.
-    double energy_density_mpa = 0.0;  ///< U, per reference volume; NaN if a point is inside out.
+    double pressure_mpa = 0.0;        ///< U', tension positive; NaN if J <= 0 at a point.
+    double energy_density_mpa = 0.0;  ///< U, per reference volume; NaN if J <= 0 at a point.
   };
 
-  /// \param x_L  current positions of all nodes [mm].
+  /// \param item  number of the patch.
+  /// \param x_L   current positions of all nodes [mm].
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
-  /// For each node of element `number` (through the blocks) the patch around it to which the
-  /// element belongs, or -1; empty if it takes no part. Shares in them are equal.
+  /// \param number  of the element, through the blocks.
+  /// \returns for each node of the element the patch around it to which the element belongs, or -1;
+  ///   empty if the element does not average around nodes. Its weights in the patches are equal.
   [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
 
  private:
-  /// One element as far as its volume goes.
+  /// Counts and offsets of one element.
   struct ElementGeometry {
     std::int32_t points = 0;
     std::int32_t nodes = 0;
@@ -69,42 +73,43 @@ class AveragedNodalPressure final : public ForceTerm {
     Index first_volume = 0;    ///< In volumes_mm3_: for each point.
   };
 
-  /// One element within a patch.
+  /// One element of a patch.
   struct PatchElement {
-    std::int32_t part = 0;
-    std::int32_t first_place = 0;  ///< In places_: for each of its nodes, its place in the patch.
-    double fraction = 0.0;         ///< s.
+    std::int32_t element = 0;
+    std::int32_t first_local =
+        0;  ///< In local_nodes_: for each of its nodes, the local number in the patch.
+    double fraction = 0.0;  ///< s_ae.
   };
 
   struct NodePatch {
     Volumetric volume;
-    double volume_mm3 = 0.0;  ///< V.
+    double volume_mm3 = 0.0;  ///< V_a.
     PatchRange nodes;         ///< In patch_nodes_.
-    std::int32_t first_member = 0;
-    std::int32_t members = 0;
+    std::int32_t first_element = 0;
+    std::int32_t element_count = 0;
   };
 
   class Builder;
 
   AveragedNodalPressure() = default;
 
-  /// Calls f(F, s dV, gradients of the nodes, their places) for every point of the patch.
+  /// Calls f(F, s_ae dV, gradients dN/dX, local node numbers) for every point of the patch.
   template <class Function>
   void for_each_point(const NodePatch& patch, std::span<const Vec3> x_L, const Function& f) const;
 
-  /// v / V - 1; nothing if a point is inside out, or NaN.
+  /// \returns v_a / V_a - 1, or nothing if J <= 0 at a point, or NaN.
   [[nodiscard]] std::optional<double> mean_change(const NodePatch& patch,
                                                   std::span<const Vec3> x_L) const;
 
   std::vector<Vec3> gradients_;      ///< dN_a/dX.
   std::vector<double> volumes_mm3_;  ///< dV.
   std::vector<ElementGeometry> geometries_;
-  std::vector<PatchElement> members_;
-  std::vector<std::uint8_t> places_;
+  std::vector<PatchElement> patch_elements_;
+  std::vector<std::uint8_t> local_nodes_;
   std::vector<std::int32_t> patch_nodes_;
   std::vector<NodePatch> patches_;
-  std::vector<std::int32_t> end_of_corners_;   ///< For each element of the mesh, in ...
-  std::vector<std::int32_t> patch_of_corner_;  ///< ... this list.
+  std::vector<std::int32_t> end_of_corners_;  ///< Of each element of the mesh, in patch_of_corner_.
+  std::vector<std::int32_t> patch_of_corner_;  ///< See patches_of().
 };
 
 }  // namespace lefort::fem

@@ -1,5 +1,5 @@
 /// \file
-/// The mean change of volume of one element, and what it costs (volumetric_integration.h).
+/// Average of J in one element and its energy (volumetric_integration.h).
 #pragma once
 
 #include <lefort/core/types.h>
@@ -17,7 +17,7 @@
 
 namespace lefort::fem {
 
-/// How many functions the mean of one element is made of; 0 where means are taken around nodes.
+/// Number of modes of J_mean in one element; 0 for shapes that average around nodes.
 template <class Element>
 inline constexpr int kDilatationModes = 1;
 template <>
@@ -29,12 +29,13 @@ inline constexpr int kDilatationModes<Wedge6> = 0;
 template <>
 inline constexpr int kDilatationModes<Pyramid5> = 0;
 
-/// The functions of one element's mean at its points, column by column: 1, or 1, X, Y, Z, made
-/// orthonormal: the sum over points of psi_i psi_j dV is 1 for i = j, else 0.
+/// Modes psi_i of J_mean at the points of one element, column by column: 1, or 1, X, Y, Z,
+/// orthonormalized so that the sum over points of psi_i psi_j dV is 1 for i = j, else 0.
 template <class Element>
 using DilatationModes = Eigen::Matrix<double, Element::kPoints, kDilatationModes<Element>>;
 
-/// \param X  reference positions of the nodes [mm].
+/// \param X       reference positions of the nodes [mm].
+/// \param points  reference_element(X).
 template <class Element>
 [[nodiscard]] DilatationModes<Element> dilatation_modes(const ElementNodes<Element>& X,
                                                         const ReferenceElement<Element>& points) {
@@ -58,12 +59,13 @@ template <class Element>
   return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
 }
 
-/// Bulk modulus that stays at the points, in shear moduli, since one mean does not see what is
-/// linear in an element.
+/// Bulk modulus of the part of U that stays at the points, as a multiple of the shear modulus.
+/// docs/studies/locking-remedies.md compares values.
 struct PointwiseBulkFraction {
-  double inside =
-      0.0;  ///< Where the body is more than a layer thick (elements_with_interior_nodes.h).
-  double in_layer = 0.0;  ///< Where it is not: no means above and below, which bending tells apart.
+  /// In parts of the body more than one layer thick (elements_with_interior_nodes.h).
+  double interior = 0.0;
+  /// In a single layer: its averages do not resist bending.
+  double single_layer = 0.0;
 };
 template <class Element>
 inline constexpr PointwiseBulkFraction kPointwiseBulkFraction{};
@@ -73,64 +75,72 @@ template <>
 inline constexpr PointwiseBulkFraction kPointwiseBulkFraction<Wedge15>{0.5, 1.25};
 
 template <class Element>
-inline constexpr bool kHasBulkAtPoints = kPointwiseBulkFraction<Element>.in_layer > 0.0;
+inline constexpr bool kHasPointwiseBulk = kPointwiseBulkFraction<Element>.single_layer > 0.0;
 
-/// Likewise of shapes with means around nodes, where the shear part is taken: those means do not
-/// see what changes sign from one side of a node to the other.
+/// Bulk modulus of the part of U that stays in elements which average around nodes, as a multiple
+/// of the shear modulus. Nodal averages do not resist a change of volume that alternates between
+/// the elements around a node.
 inline constexpr double kNodalStabilizationFraction = 1.0;
 
-/// U in two parts: of the mean, and at the points.
-struct SharedVolume {
+/// U divided into a part of J_mean and a part of J.
+struct VolumetricSplit {
   Volumetric of_mean;
-  Volumetric at_points;  ///< Bulk modulus 0 where `bulk_at_points` is.
+  Volumetric at_points;  ///< Bulk modulus 0 if `pointwise_bulk` is 0.
 };
 
-/// \param shear_mpa       the law's shear modulus at rest.
-/// \param bulk_at_points  in shear moduli, >= 0.
-[[nodiscard]] inline SharedVolume share_volume(const Volumetric& volume, double shear_mpa,
-                                               double bulk_at_points) {
-  SharedVolume shared{volume, volume};
-  shared.at_points.kappa_mpa = std::min(volume.kappa_mpa, bulk_at_points * shear_mpa);
-  shared.of_mean.kappa_mpa -= shared.at_points.kappa_mpa;
-  return shared;
+/// \param volume          U.
+/// \param shear_mpa       shear modulus of the law in the reference configuration.
+/// \param pointwise_bulk  bulk modulus at the points, as a multiple of `shear_mpa`, >= 0.
+/// \returns the two parts; their bulk moduli add to that of U.
+[[nodiscard]] inline VolumetricSplit split_volumetric(const Volumetric& volume, double shear_mpa,
+                                                      double pointwise_bulk) {
+  VolumetricSplit split{volume, volume};
+  split.at_points.kappa_mpa = std::min(volume.kappa_mpa, pointwise_bulk * shear_mpa);
+  split.of_mean.kappa_mpa -= split.at_points.kappa_mpa;
+  return split;
 }
 
-/// What an element with means of its own asks of a law.
+/// \param has_interior_node  elements_with_interior_nodes() of the element.
+/// \returns the two parts for an element with modes; zero if the law is not decoupled.
 template <class Element>
-[[nodiscard]] SharedVolume share_volume(const Material& material, bool has_interior_node) {
+[[nodiscard]] VolumetricSplit split_volumetric(const Material& material, bool has_interior_node) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return {};
   constexpr PointwiseBulkFraction kBulk = kPointwiseBulkFraction<Element>;
-  return share_volume(*volume, shear_modulus_at_rest(material),
-                      has_interior_node ? kBulk.inside : kBulk.in_layer);
+  return split_volumetric(*volume, shear_modulus_at_rest(material),
+                          has_interior_node ? kBulk.interior : kBulk.single_layer);
 }
 
-/// What shapes with means around nodes ask of a law at the strain of elements and their neighbors:
-/// all but the volume's part of the means. Laws that are not in split form are whole.
+/// \returns the law without the volumetric part of the nodal averages: what is evaluated at the F
+///   of elements and smoothing domains. A law that is not decoupled is returned unchanged.
 [[nodiscard]] inline Material element_law_without_nodal_part(const Material& material) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return material;
   const double shear_mpa = shear_modulus_at_rest(material);
   return with_bulk_modulus(
-      material, share_volume(*volume, shear_mpa, kNodalStabilizationFraction).at_points.kappa_mpa);
+      material,
+      split_volumetric(*volume, shear_mpa, kNodalStabilizationFraction).at_points.kappa_mpa);
 }
 
-/// How an element answers to a change of its volume.
+/// Energy, pressure and stiffness of the volumetric part of one element.
 template <class Element>
 struct VolumeResponse {
   using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
-  double energy_mj = 0.0;  ///< Sum of U(J_mean) dV and of U(J) dV, each with its part of U.
-  PerPoint pressure;       ///< At its points [MPa], tension positive.
-  /// d2/dtheta2 of the energy of the mean, theta_i being the sum of psi_i J dV.
+  double energy_mj = 0.0;  ///< Sum of U_mean(J_mean) dV and U_points(J) dV.
+  PerPoint pressure;       ///< At the points [MPa], tension positive.
+  /// Second derivative of the energy of J_mean by theta_i = sum of psi_i J dV.
   Eigen::Matrix<double, kDilatationModes<Element>, kDilatationModes<Element>> curvature;
-  PerPoint curvature_at_points;  ///< d2U/dJ2 of the rest [MPa].
+  PerPoint curvature_at_points;  ///< d2U/dJ2 of the part at the points [MPa].
 };
 
+/// \param volume  the two parts of U.
+/// \param points  of the element.
+/// \param modes   of the element.
 /// \param change  J - 1 at the points, > -1.
-/// \returns nothing if a mean volume ratio is not positive.
+/// \returns the response, or nothing if J_mean <= 0 at a point.
 template <class Element>
 [[nodiscard]] std::optional<VolumeResponse<Element>> volume_response(
-    const SharedVolume& volume, const ReferenceElement<Element>& points,
+    const VolumetricSplit& volume, const ReferenceElement<Element>& points,
     const DilatationModes<Element>& modes,
     const Eigen::Matrix<double, Element::kPoints, 1>& change) {
   using Theta = Eigen::Matrix<double, kDilatationModes<Element>, 1>;
@@ -151,7 +161,7 @@ template <class Element>
   }
   response.pressure = modes * pressure;
   response.curvature_at_points.setZero();
-  if constexpr (kHasBulkAtPoints<Element>)
+  if constexpr (kHasPointwiseBulk<Element>)
     for (int q = 0; q < Element::kPoints; ++q) {
       response.energy_mj +=
           points[std::size_t(q)].volume_mm3 * volume.at_points.energy_minus_one(change[q]);

@@ -13,8 +13,8 @@ namespace {
 
 using NodeFlags = std::vector<char>;
 
-/// For each element: whether one of its corners is marked.
-std::vector<char> have_corner(const mesh::VolumeMesh& mesh, const NodeFlags& is_marked) {
+/// \returns for each element whether one of its corners is marked.
+std::vector<char> elements_with_corner(const mesh::VolumeMesh& mesh, const NodeFlags& is_marked) {
   std::vector<char> result;
   result.reserve(std::size_t(mesh.element_count()));
   for (const mesh::ElementBlock& block : mesh.blocks)
@@ -26,7 +26,7 @@ std::vector<char> have_corner(const mesh::VolumeMesh& mesh, const NodeFlags& is_
   return result;
 }
 
-/// The corners of those elements.
+/// \returns the marks of the corners of these elements.
 NodeFlags corners_of(const mesh::VolumeMesh& mesh, const std::vector<char>& elements) {
   NodeFlags is_marked(mesh.nodes_L.size(), 0);
   std::size_t number = 0;
@@ -38,19 +38,19 @@ NodeFlags corners_of(const mesh::VolumeMesh& mesh, const std::vector<char>& elem
   return is_marked;
 }
 
-bool asks(const mesh::ElementBlock& block) {
-  return std::visit([]<class Element>(const Element&) { return kHasBulkAtPoints<Element>; },
+bool needs_flags(const mesh::ElementBlock& block) {
+  return std::visit([]<class Element>(const Element&) { return kHasPointwiseBulk<Element>; },
                     element_of(block.shape));
 }
 
 }  // namespace
 
 std::vector<char> elements_with_interior_nodes(const mesh::VolumeMesh& mesh) {
-  if (!std::ranges::any_of(mesh.blocks, asks)) return {};
-  NodeFlags is_inner(mesh.nodes_L.size(), 1);
+  if (!std::ranges::any_of(mesh.blocks, needs_flags)) return {};
+  NodeFlags is_interior(mesh.nodes_L.size(), 1);
   for (const std::int32_t node : mesh::nodes_of_faces(mesh::boundary_faces(mesh)))
-    is_inner[std::size_t(node)] = 0;
-  return have_corner(mesh, corners_of(mesh, have_corner(mesh, is_inner)));
+    is_interior[std::size_t(node)] = 0;
+  return elements_with_corner(mesh, corners_of(mesh, elements_with_corner(mesh, is_interior)));
 }
 
 }  // namespace lefort::fem

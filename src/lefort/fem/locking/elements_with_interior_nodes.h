@@ -1,5 +1,5 @@
 /// \file
-/// Which elements lie where a body is more than a layer thick.
+/// Elements in parts of the body that are more than one layer of elements thick.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
@@ -8,12 +8,13 @@
 
 namespace lefort::fem {
 
-/// For each element, through the blocks: whether a corner of its own, or of an element that it
-/// shares a corner with, is inside, on no face that belongs to one element alone. In a single layer
-/// there is no such corner; nor is there in a plane model, one element thick.
+/// An element counts if it, or an element with which it shares a corner, has an interior corner:
+/// one on no boundary face. A single layer has no interior corners, nor has a plane model of one
+/// element in thickness.
 ///
-/// \returns one flag per element; none at all if no shape in the mesh asks (kHasBulkAtPoints).
-/// \pre the blocks name nodes of the mesh.
+/// \param mesh  \pre the nodes of its blocks exist.
+/// \returns one flag per element, through the blocks; empty if no shape in the mesh needs the flags
+///   (kHasPointwiseBulk).
 [[nodiscard]] std::vector<char> elements_with_interior_nodes(const mesh::VolumeMesh& mesh);
 
 }  // namespace lefort::fem

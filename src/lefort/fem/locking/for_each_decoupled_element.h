@@ -1,5 +1,5 @@
 /// \file
-/// All elements of a mesh in order, those with a split law by their shape.
+/// Visits the elements of a mesh in order, those with a decoupled law by their shape.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -11,8 +11,10 @@
 
 namespace lefort::fem {
 
-/// Calls `take(Element{}, nodes, region)` for each element whose law has a volumetric part, and
-/// `end()` after every element of the mesh, whatever its law. Each region must have a material.
+/// \param mesh       \pre every region has a material.
+/// \param materials  laws of the regions.
+/// \param take       take(Element{}, nodes, region): called for each element with a decoupled law.
+/// \param end        end(): called after every element of the mesh, whatever its law.
 template <class Take, class End>
 void for_each_decoupled_element(const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
                                 const Take& take, const End& end) {

@@ -1,5 +1,5 @@
 /// \file
-/// The strain energy of elements of one shape, laws in split form seeing the mean change of volume.
+/// Strain energy of elements of one shape, with averaged volume change in decoupled laws.
 #pragma once
 
 #include <lefort/fem/assembly/element_energy.h>
@@ -12,24 +12,28 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements of (sum over points of shear(F) dV + sum of U(J_mean) dV), a part of U
-/// staying at the points where the shape needs it (SharedVolume); elements of other laws as in
-/// ContinuumTerm.
+/// Mean dilatation method (\cite simo1985; \cite bonet2008, section 8.6.5):
 ///
-/// With theta_i = sum of psi_i J dV the mean is J_mean = sum of psi_i theta_i, so that
-///   dW = sum (dshear/dF + p cof F) : dF dV,   p = sum of psi_i p_i,   p_i = sum of psi_i U' dV .
+///   W       = sum over elements and points of (Psi_iso(F) + U(J_mean)) dV
+///   J_mean  = sum over i of psi_i theta_i,   theta_i = sum over points of psi_i J dV
+///   dW      = sum of (dPsi_iso/dF + p cof F) : dF dV
+///   p       = sum over i of psi_i p_i,       p_i = sum over points of psi_i U'(J_mean) dV
+///
+/// A part of U stays at the points if the shape needs it (VolumetricSplit). Elements with other
+/// laws are as in ContinuumTerm.
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
-  /// \param modes           one per element.
-  /// \param has_interior_node  one per element (elements_with_interior_nodes.h), or none if the
-  ///   shape does not ask.
+  /// \param data               the elements.
+  /// \param modes              one per element.
+  /// \param has_interior_node  elements_with_interior_nodes() of these elements; may be empty if
+  ///   the shape does not need it.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
                      std::span<const char> has_interior_node)
       : data_(std::move(data)), modes_(std::move(modes)) {
     volumes_.reserve(modes_.size());
     for (Index e = 0; e < data_.count(); ++e)
-      volumes_.push_back(share_volume<Element>(
+      volumes_.push_back(split_volumetric<Element>(
           data_.material_of(e),
           !has_interior_node.empty() && has_interior_node[std::size_t(e)] != 0));
   }
@@ -52,7 +56,7 @@ class MeanDilatationTerm final : public ForceTerm {
   }
 
  private:
-  static bool add_volume(const SharedVolume& volume, const ReferenceElement<Element>& points,
+  static bool add_volume(const VolumetricSplit& volume, const ReferenceElement<Element>& points,
                          const DilatationModes<Element>& modes,
                          const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
     constexpr int kSize = 3 * Element::kNodes;
@@ -67,7 +71,7 @@ class MeanDilatationTerm final : public ForceTerm {
     local.energy_mj += response->energy_mj;
 
     Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
-    // Column i: dtheta_i/dx.
+    // Column i is dtheta_i/dx.
     Eigen::Matrix<double, kSize, kDilatationModes<Element>> dtheta;
     dtheta.setZero();
     for (std::size_t q = 0; q < F.size(); ++q) {
@@ -79,7 +83,7 @@ class MeanDilatationTerm final : public ForceTerm {
         add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
                       points[q], local);
       dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
-      if constexpr (kHasBulkAtPoints<Element>) {
+      if constexpr (kHasPointwiseBulk<Element>) {
         const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
         stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
       }
@@ -95,7 +99,7 @@ class MeanDilatationTerm final : public ForceTerm {
   }
 
   ElementData<Element> data_;
-  std::vector<SharedVolume> volumes_;  ///< One per element.
+  std::vector<VolumetricSplit> volumes_;  ///< One per element.
   std::vector<DilatationModes<Element>> modes_;
 };
 

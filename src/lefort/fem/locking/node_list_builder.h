@@ -1,5 +1,5 @@
 /// \file
-/// Node lists of patches of elements, one after another, the last still growing.
+/// Builds the node lists of patches of elements, one after the other, in one common list.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -13,41 +13,44 @@
 
 namespace lefort::fem {
 
-/// Which part of the common list is a patch's own.
+/// Range of one patch in the common list.
 struct PatchRange {
   std::int32_t first = 0;
   std::int32_t count = 0;
 };
 
+/// Only the last patch can grow.
 class NodeListBuilder {
  public:
-  /// Begins a new patch.
+  /// Starts a new patch.
   void open() { last_ = {.first = std::int32_t(nodes_.size()), .count = 0}; }
 
   [[nodiscard]] PatchRange last() const { return last_; }
 
-  /// Whether the last patch can take an element with these nodes, all different.
+  /// \param nodes  of an element, all different.
+  /// \returns whether the last patch, with these nodes, has at most kMaxLocalNodes.
   [[nodiscard]] bool has_room_for(std::span<const std::int32_t> nodes) const {
     const auto more = std::ranges::count_if(
-        nodes, [&](std::int32_t node) { return place_of(node) == last_.count; });
+        nodes, [&](std::int32_t node) { return local_number(node) == last_.count; });
     return last_.count + more <= kMaxLocalNodes;
   }
 
-  /// \returns the place of `node` in the last patch, where it is put if it is not there yet.
+  /// Adds a node to the last patch unless it is there.
+  /// \returns its local number in the last patch.
   std::int32_t add(std::int32_t node) {
-    const std::int32_t place = place_of(node);
-    if (place == last_.count) {
+    const std::int32_t local = local_number(node);
+    if (local == last_.count) {
       nodes_.push_back(node);
       ++last_.count;
     }
-    return place;
+    return local;
   }
 
   [[nodiscard]] std::vector<std::int32_t> take() { return std::move(nodes_); }
 
  private:
-  /// Or the number of its nodes.
-  [[nodiscard]] std::int32_t place_of(std::int32_t node) const {
+  /// \returns the local number of a node in the last patch, or the node count if it is not there.
+  [[nodiscard]] std::int32_t local_number(std::int32_t node) const {
     const auto begin = nodes_.begin() + last_.first;
     return std::int32_t(std::find(begin, nodes_.end(), node) - begin);
   }

@@ -17,35 +17,35 @@
 namespace lefort::fem {
 namespace {
 
-/// One side of one element.
-struct Side {
-  std::array<std::int32_t, 4> shared;  ///< Nodes that it has in common with its neighbors'.
+/// One smoothing domain of one element.
+struct Domain {
+  std::array<std::int32_t, 4> shared;  ///< Nodes that identify its group.
   std::int32_t region;
-  std::int32_t part;   ///< Which element, of those that take part.
-  std::int32_t place;  ///< In the list of all sides.
+  std::int32_t element;  ///< Among the elements that were added.
+  std::int32_t number;   ///< Among the domains of all elements.
   Index first_gradient;
   double volume_mm3;
 };
 
-bool belong_together(const Side& a, const Side& b) {
+bool are_in_one_group(const Domain& a, const Domain& b) {
   return a.shared == b.shared && a.region == b.region;
 }
 
 /// The nodes of one element.
-using Part = std::span<const std::int32_t>;
+using ElementNodeList = std::span<const std::int32_t>;
 
 std::pair<std::int32_t, std::int32_t> ascending(std::int32_t a, std::int32_t b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// What the sides of one element share: the ends of its edge k.
+/// \returns the ends of edge k.
 std::array<std::int32_t, 4> shared_nodes(const Tet4&, const std::int32_t* nodes, std::size_t k) {
   const auto [i, j] = Tet10::kEdges[k];
   const auto [low, high] = ascending(nodes[i], nodes[j]);
   return {low, high, -1, -1};
 }
 
-/// The corners of its upright face k % 3, those of the nearer triangle first.
+/// \returns the corners of quadrilateral face k % 3, those of the nearer triangle first.
 std::array<std::int32_t, 4> shared_nodes(const Wedge6&, const std::int32_t* nodes, std::size_t k) {
   constexpr std::array<std::pair<int, int>, 3> kEdges{{{1, 2}, {2, 0}, {0, 1}}};
   const auto [i, j] = kEdges[k % 3];
@@ -57,52 +57,52 @@ std::array<std::int32_t, 4> shared_nodes(const Wedge6&, const std::int32_t* node
 
 }  // namespace
 
-/// Collects elements, then sorts their sides into groups.
+/// Collects the elements, then sorts their domains into groups.
 class SmoothedStrainTerm::Builder {
  public:
   template <class Element>
   void add_element(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, std::int32_t region) {
     ElementNodes<Element> X;
     for (int a = 0; a < Element::kNodes; ++a) X.col(a) = mesh.nodes_L[std::size_t(nodes[a])];
-    const auto sides = smoothing_domains<Element>(X);
-    LEFORT_CHECK(sides.has_value());
+    const auto domains = smoothing_domains<Element>(X);
+    LEFORT_CHECK(domains.has_value());
     double volume_mm3 = 0.0;
-    for (const auto& side : *sides) volume_mm3 += side.volume_mm3;
-    for (std::size_t k = 0; k < sides->size(); ++k) {
-      const auto& side = (*sides)[k];
+    for (const auto& domain : *domains) volume_mm3 += domain.volume_mm3;
+    for (std::size_t k = 0; k < domains->size(); ++k) {
+      const auto& domain = (*domains)[k];
       domains_.push_back({.shared = shared_nodes(Element{}, nodes, k),
                           .region = region,
-                          .part = std::int32_t(parts_.size()),
-                          .place = std::int32_t(domains_.size()),
-                          .first_gradient = Index(side_gradients_.size()),
-                          .volume_mm3 = side.volume_mm3});
-      for (int a = 0; a < Element::kNodes; ++a) side_gradients_.emplace_back(side.dN_dX.col(a));
-      term_->domains_.push_back({.fraction = side.volume_mm3 / volume_mm3});
+                          .element = std::int32_t(element_nodes_.size()),
+                          .number = std::int32_t(domains_.size()),
+                          .first_gradient = Index(domain_gradients_.size()),
+                          .volume_mm3 = domain.volume_mm3});
+      for (int a = 0; a < Element::kNodes; ++a) domain_gradients_.emplace_back(domain.dN_dX.col(a));
+      term_->domains_.push_back({.fraction = domain.volume_mm3 / volume_mm3});
     }
-    parts_.emplace_back(nodes, std::size_t(Element::kNodes));
+    element_nodes_.emplace_back(nodes, std::size_t(Element::kNodes));
   }
 
-  /// To be called after each element of the mesh, whether or not it was added.
+  /// Call after each element of the mesh, whether or not it was added.
   void end_element() { term_->end_of_domains_.push_back(std::int32_t(domains_.size())); }
 
   std::unique_ptr<SmoothedStrainTerm> build(const RegionMaterials& materials) {
     if (domains_.empty()) return nullptr;
-    std::ranges::sort(domains_, [](const Side& a, const Side& b) {
-      return std::tie(a.shared, a.region, a.part) < std::tie(b.shared, b.region, b.part);
+    std::ranges::sort(domains_, [](const Domain& a, const Domain& b) {
+      return std::tie(a.shared, a.region, a.element) < std::tie(b.shared, b.region, b.element);
     });
-    std::map<std::int32_t, std::int32_t> place_of_region;
+    std::map<std::int32_t, std::int32_t> material_of_region;
     for (std::size_t k = 0; k < domains_.size(); ++k) {
-      const Side& side = domains_[k];
-      if (k == 0 || !belong_together(domains_[k - 1], side) ||
-          !nodes_.has_room_for(parts_[std::size_t(side.part)])) {
-        const auto [place, is_new] =
-            place_of_region.try_emplace(side.region, std::int32_t(term_->materials_.size()));
+      const Domain& domain = domains_[k];
+      if (k == 0 || !are_in_one_group(domains_[k - 1], domain) ||
+          !nodes_.has_room_for(element_nodes_[std::size_t(domain.element)])) {
+        const auto [material, is_new] =
+            material_of_region.try_emplace(domain.region, std::int32_t(term_->materials_.size()));
         if (is_new)
-          term_->materials_.push_back(element_law_without_nodal_part(materials.at(side.region)));
+          term_->materials_.push_back(element_law_without_nodal_part(materials.at(domain.region)));
         nodes_.open();
-        term_->groups_.push_back({.nodes = nodes_.last(), .material = place->second});
+        term_->groups_.push_back({.nodes = nodes_.last(), .material = material->second});
       }
-      add_side(side);
+      add_domain(domain);
     }
     for (const Group& group : term_->groups_)
       for (std::int32_t a = 0; a < group.nodes.count; ++a)
@@ -112,25 +112,25 @@ class SmoothedStrainTerm::Builder {
   }
 
  private:
-  /// Until all sides are added, gradients_ holds sums of gradient times volume.
-  void add_side(const Side& side) {
+  /// Until all domains are added, gradients_ holds sums of gradient times volume.
+  void add_domain(const Domain& domain) {
     Group& group = term_->groups_.back();
-    group.volume_mm3 += side.volume_mm3;
-    Index gradient = side.first_gradient;
-    for (const std::int32_t node : parts_[std::size_t(side.part)]) {
+    group.volume_mm3 += domain.volume_mm3;
+    Index gradient = domain.first_gradient;
+    for (const std::int32_t node : element_nodes_[std::size_t(domain.element)]) {
       const auto place = std::size_t(group.nodes.first + nodes_.add(node));
       if (place == term_->gradients_.size()) term_->gradients_.emplace_back(Vec3::Zero());
-      term_->gradients_[place] += side.volume_mm3 * side_gradients_[std::size_t(gradient++)];
+      term_->gradients_[place] += domain.volume_mm3 * domain_gradients_[std::size_t(gradient++)];
     }
     group.nodes = nodes_.last();
-    term_->domains_[std::size_t(side.place)].item = std::int32_t(term_->groups_.size()) - 1;
+    term_->domains_[std::size_t(domain.number)].item = std::int32_t(term_->groups_.size()) - 1;
   }
 
   std::unique_ptr<SmoothedStrainTerm> term_{new SmoothedStrainTerm()};
   NodeListBuilder nodes_;
-  std::vector<Part> parts_;
-  std::vector<Side> domains_;
-  std::vector<Vec3> side_gradients_;
+  std::vector<ElementNodeList> element_nodes_;
+  std::vector<Domain> domains_;
+  std::vector<Vec3> domain_gradients_;
 };
 
 std::unique_ptr<SmoothedStrainTerm> SmoothedStrainTerm::build(const mesh::VolumeMesh& mesh,

@@ -1,5 +1,5 @@
 /// \file
-/// The shear part of tet4 and wedge6, taken at means of F over neighbors
+/// Strain energy of tet4 and wedge6 at averages of F over smoothing domains
 /// (volumetric_integration.h).
 #pragma once
 
@@ -16,18 +16,21 @@
 
 namespace lefort::fem {
 
-/// W = (1 - kElementStabilizationFraction) * sum over groups of V shear(F),
-///     V = sum of V_s,   F = (sum of F_s V_s) / V ,
+/// Smoothed finite elements (\cite liu2009):
 ///
-/// the sums running over the sides s (smoothing_domains.h) that lie together, of elements that are
-/// of one region and have a law in split form: around an edge of tet4, and on an upright face of
-/// wedge6, near its lower or its upper triangle. An item is a group: it couples all nodes of its
-/// elements. Where that would be more than kMaxLocalNodes, they are shared out over several items.
+///   W = (1 - kElementStabilizationFraction) sum over groups of V Psi(F),
+///   V = sum over s of V_s,   F = (sum over s of V_s F_s) / V
+///
+/// Psi is the law without the volumetric part of AveragedNodalPressure. A group consists of the
+/// smoothing domains s (smoothing_domains.h) around one edge of tet4, or on one quadrilateral face
+/// of wedge6 near its lower or upper triangle, of elements of one region with a decoupled law. An
+/// item is a group. It couples all nodes of its elements; if these are more than kMaxLocalNodes,
+/// the domains are divided between several groups.
 class SmoothedStrainTerm final : public ForceTerm {
  public:
-  /// \param mesh, materials  accepted by make_element_terms(); the term does not refer to them any
-  ///   more.
-  /// \returns nothing if there is no such element.
+  /// \param mesh       accepted by make_element_terms(); not referred to afterwards.
+  /// \param materials  accepted by make_element_terms(); not referred to afterwards.
+  /// \returns the term, or null if no element has smoothing domains.
   [[nodiscard]] static std::unique_ptr<SmoothedStrainTerm> build(const mesh::VolumeMesh& mesh,
                                                                  const RegionMaterials& materials);
 
@@ -36,22 +39,24 @@ class SmoothedStrainTerm final : public ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               LocalEquations& local) const override;
 
-  /// What is known of an item. NaN where it is inside out.
+  /// Stress and energy of one group; NaN if its J <= 0.
   struct State {
-    Mat3 cauchy_mpa = Mat3::Zero();   ///< Of the shear part.
-    double energy_density_mpa = 0.0;  ///< Likewise, per reference volume.
+    Mat3 cauchy_mpa = Mat3::Zero();   ///< Of the law as above.
+    double energy_density_mpa = 0.0;  ///< Of the law as above, per reference volume.
   };
 
-  /// \param x_L  current positions of all nodes [mm].
+  /// \param item  number of the group.
+  /// \param x_L   current positions of all nodes [mm].
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
-  /// One side of an element.
+  /// One smoothing domain of an element.
   struct ElementDomain {
-    std::int32_t item = 0;
-    double fraction = 0.0;  ///< Of the element's volume.
+    std::int32_t item = 0;  ///< Its group.
+    double fraction = 0.0;  ///< Of the volume of the element.
   };
 
-  /// The sides of element `number` (through the blocks); empty if it has none.
+  /// \param number  of the element, through the blocks.
+  /// \returns its smoothing domains; empty if it has none.
   [[nodiscard]] std::span<const ElementDomain> domains_of(Index number) const;
 
  private:
@@ -64,15 +69,16 @@ class SmoothedStrainTerm final : public ForceTerm {
 
   SmoothedStrainTerm() = default;
 
-  /// The mean F, x_L being the positions of the group's nodes.
+  /// \param x_L  positions of the nodes of the group.
+  /// \returns the average F.
   [[nodiscard]] Mat3 mean_gradient(const Group& group, std::span<const Vec3> x_L) const;
 
   std::vector<std::int32_t> nodes_;
-  std::vector<Vec3> gradients_;  ///< F = sum of x (x) gradient.
+  std::vector<Vec3> gradients_;  ///< F = sum over nodes of x (x) gradient.
   std::vector<Group> groups_;
   std::vector<Material> materials_;
-  std::vector<std::int32_t> end_of_domains_;  ///< For each element of the mesh, in ...
-  std::vector<ElementDomain> domains_;        ///< ... this list.
+  std::vector<std::int32_t> end_of_domains_;  ///< Of each element of the mesh, in domains_.
+  std::vector<ElementDomain> domains_;        ///< Of all elements.
 };
 
 }  // namespace lefort::fem

@@ -1,5 +1,5 @@
 /// \file
-/// The parts of one element that take their strain together with those of its neighbors
+/// Smoothing domains of one element: its parts whose F is averaged with that of neighbors
 /// (volumetric_integration.h).
 #pragma once
 
@@ -11,23 +11,24 @@
 
 namespace lefort::fem {
 
-/// How many a shape has; 0 where each element takes its own strain.
+/// Number of smoothing domains of a shape; 0 if its F is not averaged.
 template <class Element>
 inline constexpr int kSmoothingDomains = 0;
 template <>
-inline constexpr int kSmoothingDomains<Tet4> = 6;  ///< Its edges.
+inline constexpr int kSmoothingDomains<Tet4> = 6;  ///< One at each edge.
 template <>
-inline constexpr int kSmoothingDomains<Wedge6> = 6;  ///< Two on each upright face.
+inline constexpr int kSmoothingDomains<Wedge6> = 6;  ///< Two on each quadrilateral face.
 
-/// Each part stands for its share of the element's volume.
+/// Gradients and volume of each domain; the volumes add to that of the element.
 template <class Element>
 using SmoothingDomains =
     std::array<ReferencePoint<Element>, std::size_t(kSmoothingDomains<Element>)>;
 
 namespace internal {
 
-/// A wedge, integrated at the middles of the triangle's sides, exact to degree 2, and at Gauss'
-/// heights: on the upright faces. What lies along a face is the same in both elements there.
+/// A wedge with quadrature points on its quadrilateral faces: mid-edge points of the triangle
+/// (exact to degree 2) times two Gauss points. The strain along a face is the same in both its
+/// elements.
 struct Wedge6OnFaces : Wedge6 {
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     constexpr double kWeight = 1.0 / 6.0;
@@ -39,34 +40,34 @@ struct Wedge6OnFaces : Wedge6 {
 }  // namespace internal
 
 /// \param X  reference positions of the nodes [mm].
-/// \returns nothing if the element has no volume at one of them.
+/// \returns the domains, or nothing if the element has no volume at one of them.
 template <class Element>
 [[nodiscard]] std::optional<SmoothingDomains<Element>> smoothing_domains(
     const ElementNodes<Element>& X);
 
-/// The edges, in the order of Tet10::kEdges.
+/// One domain per edge, in the order of Tet10::kEdges.
 template <>
 [[nodiscard]] inline std::optional<SmoothingDomains<Tet4>> smoothing_domains<Tet4>(
     const ElementNodes<Tet4>& X) {
   const auto points = reference_element<Tet4>(X);
   if (!points) return std::nullopt;
-  ReferencePoint<Tet4> side = points->front();
-  side.volume_mm3 /= kSmoothingDomains<Tet4>;
-  SmoothingDomains<Tet4> sides;
-  sides.fill(side);
-  return sides;
+  ReferencePoint<Tet4> domain = points->front();
+  domain.volume_mm3 /= kSmoothingDomains<Tet4>;
+  SmoothingDomains<Tet4> domains;
+  domains.fill(domain);
+  return domains;
 }
 
-/// The faces across from nodes 0, 1 and 2, first near the lower triangle.
+/// The faces opposite to nodes 0, 1 and 2; first near the lower triangle, then near the upper.
 template <>
 [[nodiscard]] inline std::optional<SmoothingDomains<Wedge6>> smoothing_domains<Wedge6>(
     const ElementNodes<Wedge6>& X) {
   const auto points = reference_element<internal::Wedge6OnFaces>(X);
   if (!points) return std::nullopt;
-  SmoothingDomains<Wedge6> sides;
-  for (std::size_t k = 0; k < sides.size(); ++k)
-    sides[k] = {.dN_dX = (*points)[k].dN_dX, .volume_mm3 = (*points)[k].volume_mm3};
-  return sides;
+  SmoothingDomains<Wedge6> domains;
+  for (std::size_t k = 0; k < domains.size(); ++k)
+    domains[k] = {.dN_dX = (*points)[k].dN_dX, .volume_mm3 = (*points)[k].volume_mm3};
+  return domains;
 }
 
 }  // namespace lefort::fem

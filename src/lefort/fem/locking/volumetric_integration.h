@@ -1,56 +1,58 @@
 /// \file
-/// Where an element takes the change of volume, so that it does not lock.
+/// Integration of the volumetric energy so that elements do not lock.
 ///
-/// A law in split form (materials/decoupled_law.h) resists a change of volume a thousand times more
-/// than one of shape. Asked at every integration point it would forbid elements nearly all motion:
-/// they have too few freedoms for so many conditions. So the change of volume is averaged first,
+/// A decoupled law (materials/decoupled_law.h) of nearly incompressible tissue is about a thousand
+/// times stiffer in volume than in shear. With full integration there are more volume constraints
+/// than the degrees of freedom can satisfy: the elements lock. Therefore J is averaged first:
 ///
-///     W = sum over points of shear(F) dV + sum over means of U(mean of J) V ,
+///     W = sum over points of Psi_iso(F) dV + sum over averages of U(J_mean) V
 ///
-/// an energy like any other: its forces and tangent are its derivatives. It is the three-field
-/// principle of Simo, Taylor and Pister with pressure and volume ratio taken out
-/// (\cite simo1985; \cite bonet2008, section 8.6.5).
+/// Forces and tangent are the derivatives of this energy. It is the three-field principle of Simo,
+/// Taylor and Pister after elimination of pressure and dilatation (\cite simo1985; \cite bonet2008,
+/// section 8.6.5).
 ///
-///     shape             mean of J                          means per node, away from the boundary
-///     hex8              constant per element               1
-///     tet10, wedge15    constant per element, but for a    0.7, 0.4
-///                       part of U that stays at the points
+///     shape             average of J                       averages per node, far from the
+///     boundary hex8              constant per element               1
+///     tet10, wedge15    constant per element; a part of    0.7, 0.4
+///                       U stays at the points
 ///     hex20             linear in X per element            1 (4 per element)
-///     tet4, wedge6,     over the elements around a node,   1
-///       pyramid5        but for a part of U
+///     tet4, wedge6,     over the elements around a node;   1
+///       pyramid5        a part of U stays in the elements
 ///
-/// Three freedoms per node stand against them. A constant per element would not do for the last
-/// three: of tetrahedra there are five or six per node. Averaging around nodes is Bonet and
-/// Burton's (\cite bonet1998), here around the inmost nodes of each element
-/// (averaged_nodal_pressure.h). A part of U, kNodalStabilizationFraction times the shear modulus,
-/// stays with the shear part, which keeps it stable (\cite gee2009). Wedge15 with a linear mean
-/// locks, hex20 with a constant is worse.
+/// There are three degrees of freedom per node.
 ///
-/// One mean per tet10 or wedge15 does not see a change of volume that is linear in the element: a
-/// single layer of them would bend far too easily. So a part of the bulk modulus,
-/// kPointwiseBulkFraction times the shear modulus, stays at the points, as in selective reduced
-/// integration, which takes lambda alone from them and leaves 2/3 of the shear modulus (\cite
-/// malkus1978). Inside a body less stays here: so much that a block between sticking plates is as
-/// right as without (tests/fem). Elements of a single layer keep more: so much that it bends as a
-/// beam does within a tenth, of wedge15 a fifth where nu is close to 0.5 (docs/theory/locking.md, the
-/// constants).
+/// **tet4, wedge6, pyramid5.** There are five or six tetrahedra per node, so that a constant per
+/// element would lock. J is averaged around nodes (\cite bonet1998), here around the innermost
+/// nodes of each element (averaged_nodal_pressure.h). The part of U with the bulk modulus
+/// kNodalStabilizationFraction times the shear modulus stays in the elements for stability
+/// (\cite gee2009).
 ///
-/// Tet4 and wedge6 bend too stiffly even where volume may change. So their shear part is taken at
-/// means of F, around each edge and over each upright face (smoothed_strain_term.h), all but a
-/// share kElementStabilizationFraction (\cite onishi2014 and \cite liu2009, there without it and
-/// with faces in 2-D).
+/// **tet10, wedge15.** One average per element does not resist a change of volume that is linear in
+/// the element: a single layer would bend far too easily. The part of U with the bulk modulus
+/// kPointwiseBulkFraction times the shear modulus therefore stays at the points. (Selective reduced
+/// integration, \cite malkus1978, averages lambda only, which leaves 2/3 of the shear modulus.) The
+/// fraction is smaller in the interior, where it must not make a compressed block stiffer
+/// (tests/fem/test_compressed_block.cpp), and larger in a single layer, which then bends like a
+/// beam within 10 %, and within 20 % for wedge15 near nu = 0.5 (docs/locking.md). Wedge15 with a
+/// linear average locks. Hex20 with a constant average is less accurate.
+///
+/// **tet4 and wedge6 in bending.** They are too stiff even if volume may change. Their strain
+/// energy is evaluated at averages of F over smoothing domains (smoothed_strain_term.h), except for
+/// the fraction kElementStabilizationFraction (\cite onishi2014; \cite liu2009, there in 2-D and
+/// without that fraction).
 #pragma once
 
 namespace lefort::fem {
 
-/// Where laws in split form take the change of volume. Other laws always take it at the points.
+/// Integration of U in decoupled laws. Other laws always have full integration.
 enum class VolumetricIntegration {
-  kMeanDilatation,  ///< As above.
-  kFullIntegration  ///< At each integration point: locks; for comparison.
+  kMeanDilatation,  ///< With averages as above.
+  kFullIntegration  ///< At each integration point; locks; for comparison.
 };
 
-/// Of that shear part, what stays with the elements: without it nothing would keep a single one
-/// from being crushed.
+/// Fraction of the strain energy of tet4 and wedge6 that is evaluated in the elements. Without it a
+/// single element could invert without resistance. docs/studies/locking-remedies.md compares
+/// values.
 inline constexpr double kElementStabilizationFraction = 0.05;
 
 }  // namespace lefort::fem

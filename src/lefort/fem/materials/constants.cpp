@@ -7,7 +7,7 @@
 namespace lefort::fem {
 namespace {
 
-/// What "one" may be off by, for directions read from files.
+/// Tolerance of the length of unit vectors, which may come from files.
 constexpr double kUnitTolerance = 1e-9;
 
 }  // namespace
@@ -41,7 +41,7 @@ Result<LameConstants> LameConstants::from_young_poisson(std::string_view law, do
   if (poisson >= 0.5)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: poisson's ratio is {}, must be < 0.5; (nearly) incompressible "
-                            "tissue wants a law in split form, with a bulk modulus",
+                            "tissue needs a decoupled law, with a bulk modulus",
                             law, poisson));
   if (!(poisson > -1.0))
     return fail(ErrorCode::kInvalidArgument,

@@ -1,5 +1,5 @@
 /// \file
-/// What laws ask of their constants.
+/// Checks of material constants.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,19 +17,19 @@ namespace lefort::fem {
 [[nodiscard]] Result<void> check_not_negative(std::string_view law, std::string_view constant,
                                               double value_mpa);
 
-/// \returns kInvalidArgument, naming `law` and `direction`, unless |v| = 1 to 1e-9.
+/// \returns kInvalidArgument, naming `law` and `direction`, unless |v| = 1 within 1e-9.
 [[nodiscard]] Result<void> check_unit(std::string_view law, std::string_view direction,
                                       const Vec3& v);
 
-/// Hooke's constants at small strain.
+/// Lame's constants of Hooke's law at small strain.
 struct LameConstants {
   double mu_mpa = 0.0;
   double lambda_mpa = 0.0;
 
-  /// \param law        is named in an error.
+  /// \param law        name of the law, for errors.
   /// \param young_mpa  E > 0.
   /// \param poisson    -1 < nu < 0.5.
-  /// \returns them, or kInvalidArgument.
+  /// \returns the constants, or kInvalidArgument.
   [[nodiscard]] static Result<LameConstants> from_young_poisson(std::string_view law,
                                                                 double young_mpa, double poisson);
 

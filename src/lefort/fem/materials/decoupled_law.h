@@ -1,5 +1,5 @@
 /// \file
-/// Nearly incompressible laws: what a change of shape costs, plus what a change of volume costs.
+/// Decoupled laws for nearly incompressible tissue: an isochoric plus a volumetric energy.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,14 +9,14 @@
 
 namespace lefort::fem {
 
-/// Psi(F) = isochoric(F) + U(J), where isochoric(F) depends on F through J^(-1/3) F alone.
+/// Psi(F) = Psi_iso(F) + U(J), where Psi_iso depends on J^(-1/3) F only.
 ///
-/// \cite bonet2008, section 6.5. Elements that must not lock take `shear` at the points' F and
-/// `volume` at a volume ratio of their own. For small strains Hooke's law with the bulk modulus
-/// volume.kappa_mpa and the shear modulus of `shear`; with kappa of the order of that modulus the
-/// law is a compressible one. Every function needs J > 0.
+/// \cite bonet2008, section 6.5; \cite holzapfel2000, section 6.4. Elements that must not lock
+/// evaluate `isochoric` at F and `volume` at an averaged J. At small strain this is Hooke's law
+/// with the bulk modulus volume.kappa_mpa and the shear modulus of `isochoric`. With kappa of the
+/// order of the shear modulus the law is compressible. Every function requires J > 0.
 ///
-/// \tparam Shear  an isochoric law: energy(F), stress(F), tangent(F), validate().
+/// \tparam Isochoric  an isochoric law: energy(F), stress(F), tangent(F), validate().
 template <class Isochoric>
 struct DecoupledLaw {
   Isochoric isochoric = {};
@@ -28,7 +28,7 @@ struct DecoupledLaw {
     return volume.validate();
   }
 
-  /// Psi [MPa = mJ/mm^3]. Zero for F = I.
+  /// Psi [MPa = mJ/mm^3]. Zero at F = I.
   [[nodiscard]] double energy(const Mat3& F) const {
     return isochoric.energy(F) + volume.energy_minus_one(jacobian_minus_one(F));
   }
@@ -38,7 +38,7 @@ struct DecoupledLaw {
     return isochoric.stress(F) + volume.dU_dJ(volume_ratio(F)) * cofactor(F);
   }
 
-  /// dP/dF [MPa], symmetric; order of entries as Mat9 says.
+  /// dP/dF [MPa], symmetric; entries ordered as in Mat9.
   [[nodiscard]] Mat9 tangent(const Mat3& F) const {
     const double J = volume_ratio(F);
     const Vec9 slope_of_J = flatten(cofactor(F));
@@ -49,7 +49,7 @@ struct DecoupledLaw {
   }
 };
 
-/// Whether a law is isochoric(F) + U(J), so that elements may treat both apart.
+/// Whether a law is decoupled.
 template <class Law>
 inline constexpr bool kIsDecoupled = false;
 template <class Isochoric>

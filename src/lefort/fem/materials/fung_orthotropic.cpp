@@ -13,17 +13,17 @@ namespace {
 
 constexpr const char* kName = "fung orthotropic";
 
-/// For axes read from files.
+/// Tolerance of scalar products of axes, which may come from files.
 constexpr double kOrthogonalTolerance = 1e-9;
 
-/// M of 1/2 E_aa M_ab E_bb, the part of c Q / 2 without shear.
+/// \returns M in 1/2 E_aa M_ab E_bb, the part of c Q / 2 without shear.
 Mat3 normal_stiffness(const FungOrthotropic& law) {
   Mat3 M = law.lambda_mpa;
   M.diagonal() += 2.0 * law.mu_mpa;
   return M;
 }
 
-/// What the exponent costs at one F, in the material axes.
+/// The exponent and its derivative at one F, along the material axes.
 struct Exponent {
   Exponent(const FungOrthotropic& law, const Mat3& F)
       : E(0.5 * law.axes.transpose() * IsochoricStrain(F).twice_strain() * law.axes) {
@@ -35,7 +35,7 @@ struct Exponent {
   }
 
   Mat3 E;  ///< Green strain.
-  Mat3 T;  ///< (c/2) dQ/dE: the stress, but for e^Q.
+  Mat3 T;  ///< (c/2) dQ/dE: the stress without the factor e^Q.
   double Q = 0.0;
 };
 

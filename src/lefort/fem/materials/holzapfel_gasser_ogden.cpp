@@ -11,14 +11,14 @@ namespace {
 
 constexpr const char* kHgoName = "holzapfel-gasser-ogden";
 
-/// e of one family; <= 0 if it is slack.
+/// \returns e of one family; <= 0 if it is slack.
 double fiber_strain(const HolzapfelGasserOgden& law, const IsochoricStrain& strain,
                     const Vec3& fiber) {
   const double I4_minus_1 = fiber.dot(strain.twice_strain() * fiber);
   return law.dispersion * strain.I1_minus_3 + (1.0 - 3.0 * law.dispersion) * I4_minus_1;
 }
 
-/// 1/2 de/df, f = F_iso.
+/// \returns 1/2 de/df with f = F_iso.
 Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& f, const Vec3& fiber) {
   return law.dispersion * f + (1.0 - 3.0 * law.dispersion) * (f * fiber) * fiber.transpose();
 }
@@ -38,7 +38,7 @@ Result<void> HolzapfelGasserOgden::validate() const {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: family_count is {}, must be 1 or 2", kHgoName, family_count));
   for (int n = 0; n < family_count; ++n)
-    LEFORT_TRY_VOID(check_unit(kHgoName, fmt::format("fibre {}", n + 1), fiber[std::size_t(n)]));
+    LEFORT_TRY_VOID(check_unit(kHgoName, fmt::format("fiber {}", n + 1), fiber[std::size_t(n)]));
   return {};
 }
 

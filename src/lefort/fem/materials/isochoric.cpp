@@ -13,12 +13,12 @@ IsochoricPart::IsochoricPart(const Mat3& F) {
   F_inv_T = cofactor(F) / J;
 }
 
-// With g = F^-T: dF_iso = scale (dF - (g : dF) F / 3), whence both functions below.
+// With g = F^-T: dF_iso = scale (dF - (g : dF) F / 3), from which both functions below follow.
 
 Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& dpsi) {
   const double third = contract(dpsi, part.F_iso) / 3.0;
   const Mat3 P = part.scale * dpsi - third * part.F_inv_T;
-  // P : F vanishes. Once more, for the pressure that rounding has left; at F = I P is exactly zero.
+  // P : F must vanish. The second projection removes the round-off; at F = I P is exactly zero.
   const double rest = contract(P, part.F_iso) / (3.0 * part.scale);
   return P - rest * part.F_inv_T;
 }
@@ -28,10 +28,10 @@ Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi, const Mat9& 
   const Vec9 g = flatten(part.F_inv_T);
   const double third = contract(dpsi, part.F_iso) / 3.0;
 
-  // The change of dpsi: M^T ddpsi M, where dF_iso = M : dF and M = scale I - f g^T / 3.
+  // Derivative of dpsi: M^T ddpsi M, where dF_iso = M : dF and M = scale I - f g^T / 3.
   const Vec9 Af = ddpsi * f / 3.0;
   const double ff = f.dot(Af) / 3.0;
-  // The change of M, and both terms with one factor g, u g^T + g u^T.
+  // Derivative of M, and the two terms with one factor g: u g^T + g u^T.
   const Vec9 u = (0.5 * (ff + third / 3.0)) * g - part.scale * (Af + flatten(dpsi) / 3.0);
   Mat9 A = (part.scale * part.scale) * ddpsi;
   A += u * g.transpose() + g * u.transpose();
@@ -49,7 +49,7 @@ IsochoricStrain::IsochoricStrain(const Mat3& F) {
   // det(I + D) = 1 - q + d = J^2 / mean^3; the second invariant of I + D is 3 - q.
   const double q = 0.5 * D.squaredNorm();
   const double d = D.determinant();
-  // The difference has its digits while the strain is moderate, the logarithms where it is not.
+  // The difference is accurate at moderate strain, the logarithms at large strain.
   const double log_det =
       d - q > -0.5 ? std::log1p(d - q) : 2.0 * std::log(volume_ratio(F)) - 3.0 * std::log1p(third);
   I1_minus_3 = 3.0 * std::expm1(-log_det / 3.0);

@@ -1,5 +1,5 @@
 /// \file
-/// Laws in the isochoric part of F: its strain, and the way back to stress and tangent in F.
+/// Isochoric part of F and its strain; stress and tangent by F of laws that are given in it.
 ///
 /// \cite bonet2008, "Distortional component of the deformation gradient" and section 6.5;
 /// \cite holzapfel2000, section 6.4.
@@ -10,7 +10,7 @@
 
 namespace lefort::fem {
 
-/// F and F_iso = J^(-1/3) F, its change of shape alone: det F_iso = 1.
+/// F_iso = J^(-1/3) F, so that det F_iso = 1.
 struct IsochoricPart {
   /// \pre det F > 0.
   explicit IsochoricPart(const Mat3& F);
@@ -20,17 +20,21 @@ struct IsochoricPart {
   Mat3 F_inv_T;
 };
 
-/// dPsi/dF for Psi = psi(F_iso), where dpsi is dpsi/dF_iso.
+/// \param part  of F.
+/// \param dpsi  dpsi/dF_iso.
+/// \returns dPsi/dF of Psi(F) = psi(F_iso).
 [[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& dpsi);
 
-/// d2Psi/dF2 likewise, where ddpsi is d2psi/dF_iso2.
+/// \param part   of F.
+/// \param dpsi   dpsi/dF_iso.
+/// \param ddpsi  d2psi/dF_iso2.
+/// \returns d2Psi/dF2 of Psi(F) = psi(F_iso).
 [[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi,
                                      const Mat9& ddpsi);
 
-/// The change of shape in C, told by what is exactly zero where there is none:
+/// Isochoric strain in quantities that vanish without change of shape:
 ///   J^(-2/3) C = (1 + I1_minus_3 / 3) (I + D),   tr D = 0.
-/// None of the three comes from subtracting nearly equal numbers, so that each keeps its digits at
-/// any strain, however small.
+/// They are computed without cancellation, so that they are accurate at any strain.
 struct IsochoricStrain {
   /// \pre det F > 0.
   explicit IsochoricStrain(const Mat3& F);

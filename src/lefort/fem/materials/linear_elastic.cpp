@@ -4,7 +4,7 @@
 namespace lefort::fem {
 namespace {
 
-/// The small strain, eps = (F + F^T)/2 - I.
+/// \returns the small strain eps = (F + F^T)/2 - I.
 Mat3 small_strain(const Mat3& F) { return 0.5 * (F + F.transpose()) - Mat3::Identity(); }
 
 }  // namespace

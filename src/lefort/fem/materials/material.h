@@ -1,9 +1,9 @@
 /// \file
-/// The closed set of material laws, and which region is made of which.
+/// The closed set of material laws, and the laws of regions.
 ///
 /// A law is a value with three pure functions of F = dx/dX: energy(F) [MPa = mJ/mm^3], its gradient
-/// stress(F) (first Piola-Kirchhoff) [MPa], and that one's gradient tangent(F) [MPa]; validate()
-/// looks at its constants. To add a law: one file in materials/, its name in the variant below, and
+/// stress(F) (first Piola-Kirchhoff) [MPa], and the second derivative tangent(F) [MPa]; validate()
+/// checks the constants. To add a law: one file in materials/, its name in the variant below, and
 /// in tests/fem/ its textbook energy (textbook_energy.h) and an example (material_examples.h).
 #pragma once
 
@@ -24,12 +24,13 @@
 
 namespace lefort::fem {
 
+/// Any material law.
 using Material = std::variant<NeoHookean, LinearElastic, StVenantKirchhoff,  //
                               DecoupledLaw<IsochoricNeoHookean>, DecoupledLaw<MooneyRivlin>,
                               DecoupledLaw<Yeoh>, DecoupledLaw<Ogden>,
                               DecoupledLaw<FungOrthotropic>, DecoupledLaw<HolzapfelGasserOgden>>;
 
-/// What each region of a mesh (mesh::ElementBlock::region) is made of.
+/// Law of each region of a mesh (mesh::ElementBlock::region).
 using RegionMaterials = std::map<std::int32_t, Material>;
 
 }  // namespace lefort::fem

@@ -3,7 +3,7 @@
 namespace lefort::fem {
 namespace {
 
-/// Calls f with that part of the law.
+/// Calls f with the given part of the law.
 template <class Function>
 auto apply_law(const Material& material, LawPart part, const Function& f) {
   return std::visit(

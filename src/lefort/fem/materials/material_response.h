@@ -1,6 +1,5 @@
 /// \file
-/// What a law answers at one F: all of it, or what is left of it when the element sees to the
-/// volume.
+/// Energy, stress and tangent of any law at one F, of the whole law or of its isochoric part.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -9,15 +8,16 @@
 
 namespace lefort::fem {
 
+/// Part of a law.
 enum class LawPart {
   kWhole,
-  kIsochoric  ///< Of a law in split form (materials/decoupled_law.h) its shear part; of others all.
+  kIsochoric  ///< Isochoric part of a decoupled law (decoupled_law.h); the whole of others.
 };
 
-/// U(J) of a law in split form; null for others. Points into `material`.
+/// \returns U(J) of a decoupled law, null for others. Points into `material`.
 [[nodiscard]] const Volumetric* volumetric_part(const Material& material);
 
-/// A law in split form with another bulk modulus, >= 0; others as they are.
+/// \returns a decoupled law with another bulk modulus, >= 0; others unchanged.
 [[nodiscard]] Material with_bulk_modulus(Material material, double kappa_mpa);
 
 /// Psi [MPa = mJ/mm^3]. \pre det F > 0, here and below.
@@ -29,8 +29,8 @@ enum class LawPart {
 /// dP/dF [MPa].
 [[nodiscard]] Mat9 tangent(const Material& material, LawPart part, const Mat3& F);
 
-/// The shear modulus at rest [MPa]; of a law that is not isotropic the mean over the planes of the
-/// axes.
+/// \returns the shear modulus in the reference configuration [MPa]; for an anisotropic law the mean
+///   over the planes of the axes.
 [[nodiscard]] double shear_modulus_at_rest(const Material& material);
 
 }  // namespace lefort::fem

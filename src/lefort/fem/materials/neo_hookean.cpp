@@ -23,8 +23,8 @@ Result<void> NeoHookean::validate() const {
 }
 
 double NeoHookean::energy(const Mat3& F) const {
-  // With H = F - I, I1 - 3 and J - 1 are formed without subtracting nearly equal numbers, so that
-  // energies of small strains keep their digits.
+  // I1 - 3 and J - 1 are computed from H = F - I without cancellation, so that the energy is
+  // accurate at small strain.
   const Mat3 H = F - Mat3::Identity();
   const double log_J = std::log1p(jacobian_minus_one(F));
   const double I1_minus_3 = 2.0 * H.trace() + H.squaredNorm();

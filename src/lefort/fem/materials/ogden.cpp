@@ -12,7 +12,7 @@ namespace {
 
 bool is_absent(const OgdenTerm& term) { return term.mu_mpa == 0.0 && term.alpha == 0.0; }
 
-/// e^x - 1 - x without subtracting nearly equal numbers.
+/// \returns e^x - 1 - x without cancellation.
 double exp_minus_line(double x) {
   constexpr double kSmall = 0.5;
   if (!(std::abs(x) < kSmall)) return std::expm1(x) - x;
@@ -22,20 +22,20 @@ double exp_minus_line(double x) {
   return 0.5 * x * x * nested;
 }
 
-/// (e^(alpha d) - 1) / (e^(2 d) - 1), which tends to alpha / 2.
+/// \returns (e^(alpha d) - 1) / (e^(2 d) - 1); alpha / 2 for d = 0.
 double quotient(double alpha, double d) {
   return d == 0.0 ? 0.5 * alpha : std::expm1(alpha * d) / std::expm1(2.0 * d);
 }
 
-/// What of the logarithms of the principal stretches concerns shape.
+/// \returns the logarithms of the isochoric principal stretches.
 Vec3 isochoric(const Vec3& log_stretch) { return log_stretch.array() - log_stretch.mean(); }
 
-/// The principal stretches l_i of F, from C - I so that those near 1 keep their digits.
+/// Principal stretches l_i of F, from C - I: accurate for stretches near 1.
 struct PrincipalStretches {
   explicit PrincipalStretches(const Mat3& F) {
     const Mat3 H = F - Mat3::Identity();
     const Mat3 twice_E = H + H.transpose() + H.transpose() * H;
-    // The iterative solver: its directions are orthonormal however close the stretches lie.
+    // The iterative solver: its directions are orthonormal at nearly equal stretches, too.
     const Eigen::SelfAdjointEigenSolver<Mat3> principal(twice_E);
     log_stretch = 0.5 * principal.eigenvalues().array().log1p();
     at_rest = principal.eigenvectors();
@@ -48,7 +48,7 @@ struct PrincipalStretches {
 };
 
 /// tau_i = dPsi/d(ln l_i) = beta_i - mean beta, beta_i = sum of mu_p l_i^alpha_p, l_i isochoric;
-/// formed from beta_i less its value at rest, so that it vanishes at rest.
+/// computed from beta_i minus its value at F = I, so that it vanishes there.
 Vec3 principal_kirchhoff_stress(const Ogden& law, const Vec3& log_isochoric) {
   Vec3 beta = Vec3::Zero();
   for (const OgdenTerm& term : law.terms)
@@ -86,7 +86,7 @@ double Ogden::energy(const Mat3& F) const {
   double sum = 0.0;
   for (const OgdenTerm& term : terms) {
     if (is_absent(term)) continue;
-    // The parts of first order, alpha ln l_i, add to zero and are left out.
+    // The terms of first order, alpha ln l_i, add to zero and are omitted.
     double powers = 0.0;
     for (const double x : log_isochoric) powers += exp_minus_line(term.alpha * x);
     sum += term.mu_mpa / term.alpha * powers;
@@ -109,7 +109,7 @@ Mat9 Ogden::tangent(const Mat3& F) const {
   const Vec3 tau = principal_kirchhoff_stress(*this, log_isochoric);
   const Vec3 stretch = principal.log_stretch.array().exp();
 
-  // Where dF stretches the axes: d2Psi/dl_i dl_j.
+  // Part of dF along the axes: d2Psi/dl_i dl_j.
   Vec3 gamma = Vec3::Zero();  // d(beta_i)/d(ln l_i).
   for (const OgdenTerm& term : terms)
     gamma.array() += term.mu_mpa * term.alpha * (term.alpha * log_isochoric.array()).exp();
@@ -129,7 +129,7 @@ Mat9 Ogden::tangent(const Mat3& F) const {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) in_axes(4 * i, 4 * j) = H(i, j);
 
-  // Where dF turns axis i towards j: with d = (tau_i - tau_j) / (l_i^2 - l_j^2),
+  // Part of dF that rotates axis i towards axis j: with d = (tau_i - tau_j) / (l_i^2 - l_j^2),
   // dP_ij = d dF_ij + (l_j/l_i d - tau_j / (l_i l_j)) dF_ji.
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < i; ++j) {

@@ -4,13 +4,13 @@
 namespace lefort::fem {
 namespace {
 
-/// E = (C - I) / 2 from H = F - I, so that small strains keep their digits.
+/// \returns E = (C - I) / 2, from H = F - I: accurate at small strain.
 Mat3 green_strain(const Mat3& F) {
   const Mat3 H = F - Mat3::Identity();
   return 0.5 * (H + H.transpose() + H.transpose() * H);
 }
 
-/// The second Piola-Kirchhoff stress.
+/// \returns the second Piola-Kirchhoff stress.
 Mat3 second_stress(const StVenantKirchhoff& law, const Mat3& E) {
   return 2.0 * law.mu_mpa * E + law.lambda_mpa * E.trace() * Mat3::Identity();
 }

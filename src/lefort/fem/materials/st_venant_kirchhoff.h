@@ -1,5 +1,5 @@
 /// \file
-/// The law of St Venant and Kirchhoff: Hooke's, in Green's strain.
+/// The St Venant-Kirchhoff law: Hooke's law in the Green strain.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,9 +10,9 @@ namespace lefort::fem {
 
 /// Psi(F) = mu E : E + lambda/2 (tr E)^2,   E = (F^T F - I) / 2.
 ///
-/// \cite holzapfel2000, section 6.5. For small strains, however large the rotation, Hooke's law
-/// with Lame's constants mu and lambda. Not for large strains: shortened below 1/sqrt(3) of its
-/// length a body resists less and less, and a finite force crushes it to J = 0.
+/// \cite holzapfel2000, section 6.5. Hooke's law with Lame's constants mu and lambda at small
+/// strain and any rotation. Not for large compression: below 1/sqrt(3) of its length a body
+/// softens, and a finite force compresses it to J = 0.
 struct StVenantKirchhoff {
   double mu_mpa = 0.0;      ///< Shear modulus, > 0.
   double lambda_mpa = 0.0;  ///< Lame's first constant, > -2/3 mu.
@@ -26,13 +26,13 @@ struct StVenantKirchhoff {
   /// \returns kInvalidArgument if a constant lies outside its range.
   [[nodiscard]] Result<void> validate() const;
 
-  /// Psi [MPa = mJ/mm^3]. Zero for F = I.
+  /// Psi [MPa = mJ/mm^3]. Zero at F = I.
   [[nodiscard]] double energy(const Mat3& F) const;
 
   /// P = dPsi/dF, first Piola-Kirchhoff [MPa].
   [[nodiscard]] Mat3 stress(const Mat3& F) const;
 
-  /// dP/dF [MPa], symmetric; order of entries as Mat9 says.
+  /// dP/dF [MPa], symmetric; entries ordered as in Mat9.
   [[nodiscard]] Mat9 tangent(const Mat3& F) const;
 };
 

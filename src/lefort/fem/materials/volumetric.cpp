@@ -7,7 +7,7 @@
 namespace lefort::fem {
 namespace {
 
-/// x - ln(1 + x) without subtracting nearly equal numbers: with y = x / (2 + x),
+/// \returns x - ln(1 + x) without cancellation: with y = x / (2 + x),
 /// ln(1 + x) = 2 (y + y^3/3 + y^5/5 + ...) and x - 2 y = x y.
 double minus_log1p(double x) {
   constexpr double kSmall = 0.1;

@@ -11,12 +11,12 @@ namespace lefort::fem {
 Result<void> Yeoh::validate() const {
   LEFORT_TRY_VOID(check_positive("yeoh", "c10", c10_mpa));
   LEFORT_TRY_VOID(check_not_negative("yeoh", "c30", c30_mpa));
-  // The least slope lies at x = -c20 / (3 c30), if c20 < 0.
+  // The minimum of dPsi/dx is at x = -c20 / (3 c30), if c20 < 0.
   const double minimum = -std::sqrt(3.0 * c10_mpa * c30_mpa);
   if (!(c20_mpa >= 0.0 || c20_mpa > minimum) || !std::isfinite(c20_mpa))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("yeoh: c20 is {} MPa, must be >= 0 or > -sqrt(3 c10 c30) = {} MPa, or "
-                            "tissue would give way when stretched",
+                            "the law would soften when stretched",
                             c20_mpa, minimum));
   return {};
 }

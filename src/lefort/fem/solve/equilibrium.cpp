@@ -10,10 +10,10 @@
 namespace lefort::fem {
 namespace {
 
-/// The balance of the free components, the prescribed ones being held where they are in u.
-class HeldBody final : public NonlinearSystem {
+/// The equations of the free components; the prescribed ones are those of u.
+class FreeComponents final : public NonlinearSystem {
  public:
-  HeldBody(const Assembler& assembler, VectorX u) : assembler_(assembler), u_(std::move(u)) {}
+  FreeComponents(const Assembler& assembler, VectorX u) : assembler_(assembler), u_(std::move(u)) {}
 
   [[nodiscard]] std::optional<ResidualState> residual_state(const VectorX& x) const override {
     std::optional<AssembledForces> forces = assembler_.forces(all(x));
@@ -46,35 +46,35 @@ class HeldBody final : public NonlinearSystem {
   VectorX u_;
 };
 
-/// A boundary that moves less does not need the free nodes to follow [mm].
-constexpr double kStandstill_mm = 1e-9;
+/// Below this change of the prescribed displacements there is no linear response [mm].
+constexpr double kMinChange_mm = 1e-9;
 
-/// How exactly the free nodes follow: Newton corrects what is left.
-constexpr double kFollowingTolerance = 1e-3;
+/// Tolerance of the linear response; Newton's method corrects the rest.
+constexpr double kResponseTolerance = 1e-3;
 
-/// `moved`, the start with its boundary moved, with the free nodes following to first order:
-/// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
-VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
-                        linear::LinearSolver& linear_solver, const NewtonOptions& options) {
+/// \param moved  `start` with the new prescribed displacements.
+/// \returns `moved` with the linear response of the free components at `start`; or `moved` itself
+///   if that has less energy.
+VectorX with_linear_response(const Assembler& assembler, const VectorX& start, const VectorX& moved,
+                             linear::LinearSolver& linear_solver, const NewtonOptions& options) {
   const DofMap& dofs = assembler.dofs();
   enter(SolvePhase::kAssembly, options);
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
-  const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
+  const VectorX residual_n = forces->residual_n + assembler.tangent_times(start, moved - start);
   const linear::SparseMatrix K = assembler.tangent(start);
   enter(SolvePhase::kFactorization, options);
-  const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
+  const auto du = linear_solver.solve(K, -dofs.free_part(residual_n), kResponseTolerance,
                                       [&] { enter(SolvePhase::kSolve, options); });
   enter(SolvePhase::kAssembly, options);
   if (!du) return moved;
 
-  VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
-  const auto after = assembler.forces(followed);
+  VectorX response = dofs.with_free_part(moved, dofs.free_part(start) + *du);
+  const auto after = assembler.forces(response);
   if (!after) return moved;
-  const auto boundary_alone = assembler.forces(moved);
-  return boundary_alone && energy_change_mj(*boundary_alone, moved, *after, followed) > 0.0
-             ? moved
-             : followed;
+  const auto forces_moved = assembler.forces(moved);
+  return forces_moved && energy_change_mj(*forces_moved, moved, *after, response) > 0.0 ? moved
+                                                                                        : response;
 }
 
 }  // namespace
@@ -103,10 +103,10 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   set_near_null_space(linear_solver, assembler);
   const VectorX moved = dofs.with_prescribed(start, prescribed);
   const bool is_stationary =
-      dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
+      dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kMinChange_mm;
   const VectorX guess =
-      is_stationary ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
-  const HeldBody body(assembler, guess);
+      is_stationary ? moved : with_linear_response(assembler, start, moved, linear_solver, options);
+  const FreeComponents body(assembler, guess);
   NewtonOptions of_free_part = options;
   if (options.round_off_n.size() > 0)
     of_free_part.round_off_n = dofs.free_part(options.round_off_n);

@@ -1,5 +1,5 @@
 /// \file
-/// The displacement at which all force terms balance under given boundary displacements.
+/// Equilibrium of all force terms under prescribed displacements.
 #pragma once
 
 #include <lefort/core/progress.h>
@@ -13,20 +13,25 @@
 
 namespace lefort::fem {
 
-/// Prepares multigrid for the free components of `assembler`: their nodes and axes.
+/// Sets the near null space of multigrid to the rigid-body modes of the free components.
+/// \param linear_solver  receives positions and axes of the components.
+/// \param assembler      which components are free.
 void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& assembler);
 
-/// Finds the equilibrium next to `start`.
+/// Finds an equilibrium near `start`.
 ///
-/// If the prescribed displacements differ from those in `start`, the free nodes first follow by the
-/// linear response of the start state; moving the boundary alone would crush the elements beside
-/// it. Where even that turns an element inside out, the outcome is kInadmissibleStart, and a
-/// smaller increment is needed (load_steps.h).
+/// If the prescribed displacements differ from those in `start`, the free components are first
+/// displaced by the linear response K_ff du_f = -r_f - K_fp du_p of the start; with the boundary
+/// alone the adjacent elements would invert. If they invert all the same, the outcome is
+/// kInadmissibleStart, and a smaller increment is needed (load_steps.h).
 ///
-/// \param assembler   terms, reference positions, free components.
-/// \param prescribed  names exactly the components prescribed in assembler.dofs().
-/// \param start       displacements of all components [mm], admissible.
-/// \returns as solve_newton(); x holds the displacements of all components.
+/// \param assembler      terms, reference positions, free components.
+/// \param prescribed     exactly the components prescribed in assembler.dofs().
+/// \param start          displacements of all components [mm], admissible.
+/// \param linear_solver  as in solve_newton().
+/// \param options        as in solve_newton(); round_off_n has 3 entries per node, or none.
+/// \param progress       as in solve_newton().
+/// \returns as solve_newton(); x holds the displacements of all components [mm].
 [[nodiscard]] NewtonOutcome find_equilibrium(const Assembler& assembler,
                                              std::span<const PrescribedDisplacement> prescribed,
                                              const VectorX& start,

@@ -10,14 +10,21 @@
 namespace lefort::fem {
 namespace {
 
+/// Relative rounding of load levels and increments.
 constexpr double kRounding = 1e-9;
 
-/// Steps so short, beside the increment that was wanted, were cut off by a level.
-constexpr double kRemnant = 0.1;
+/// An increment shorter than this fraction of the planned one was cut off by a load level; its
+/// iterations say nothing about a whole increment.
+constexpr double kCutOffFraction = 0.1;
 
-/// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
-/// behind; running as long from the last state would find no more.
-bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
+/// Max ratio of extrapolation: after an increment that was cut short, a larger ratio would amplify
+/// the error of the last equilibrium.
+constexpr double kMaxExtrapolation = 10.0;
+
+/// \returns whether a failure may be due to the extrapolated guess. A solve of many iterations is
+///   far
+/// from its guess; the last state as guess would not help.
+bool may_be_due_to_guess(const NewtonOutcome& outcome, const LoadStepOptions& options) {
   return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRejected ||
          (outcome.stop == NewtonStop::kStagnated &&
           outcome.iterations() <= options.target_iterations);
@@ -26,21 +33,21 @@ bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& o
 }  // namespace
 
 Result<void> validate(const LoadStepOptions& options) {
-  const auto refuse = [](const char* what, auto value, const char* wanted) {
+  const auto out_of_range = [](const char* what, auto value, const char* range) {
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("load steps: {} is {}, must be {}", what, value, wanted));
+                fmt::format("load steps: {} is {}, must be {}", what, value, range));
   };
   if (!(options.first_increment > 0.0) || !std::isfinite(options.first_increment))
-    return refuse("first_increment", options.first_increment, "> 0");
+    return out_of_range("first_increment", options.first_increment, "> 0");
   if (!(options.min_increment > 0.0 && options.min_increment <= options.first_increment))
-    return refuse("min_increment", options.min_increment, "> 0 and <= first_increment");
+    return out_of_range("min_increment", options.min_increment, "> 0 and <= first_increment");
   if (!(options.max_increment >= options.first_increment))
-    return refuse("max_increment", options.max_increment, ">= first_increment");
+    return out_of_range("max_increment", options.max_increment, ">= first_increment");
   if (!(options.growth_factor >= 1.0) || !std::isfinite(options.growth_factor))
-    return refuse("growth_factor", options.growth_factor, ">= 1");
+    return out_of_range("growth_factor", options.growth_factor, ">= 1");
   if (options.target_iterations < 0)
-    return refuse("target_iterations", options.target_iterations, ">= 0");
-  if (options.max_attempts < 1) return refuse("max_attempts", options.max_attempts, ">= 1");
+    return out_of_range("target_iterations", options.target_iterations, ">= 0");
+  if (options.max_attempts < 1) return out_of_range("max_attempts", options.max_attempts, ">= 1");
   return {};
 }
 
@@ -62,8 +69,7 @@ LoadStepper LoadStepper::resumed(Checkpoint checkpoint, SolveAtLoad solve,
 }
 
 VectorX LoadStepper::extrapolated(double t) const {
-  constexpr double kFarthest = 10.0;  // A step that was cut short magnifies what Newton left over.
-  const double ratio = std::min((t - last_.t) / (last_.t - before_last_->t), kFarthest);
+  const double ratio = std::min((t - last_.t) / (last_.t - before_last_->t), kMaxExtrapolation);
   return last_.u + ratio * (last_.u - before_last_->u);
 }
 
@@ -82,12 +88,12 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
                                      const OnLoadState& on_state) {
   if (!std::isfinite(t_end) || !(t_end > last_.t))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("load level {} does not lie ahead of {}", t_end, last_.t));
+                fmt::format("load level {} is not greater than {}", t_end, last_.t));
   const auto cancelled = [&] {
     return fail(ErrorCode::kCancelled, fmt::format("cancelled at load level {:.6g}", last_.t));
   };
 
-  const auto stuck_at = [&](double t, const char* why, const std::string& reason) {
+  const auto not_converged = [&](double t, const char* why, const std::string& reason) {
     return fail(ErrorCode::kNotConverged,
                 fmt::format("no equilibrium from load level {:.6g} to {:.6g}, {}: {}", last_.t, t,
                             why, reason));
@@ -97,33 +103,33 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
   const std::size_t attempts_allowed = attempts_.size() + std::size_t(options_.max_attempts);
   while (last_.t < t_end) {
     if (progress.stop_requested()) return cancelled();
-    // What rounding leaves over is not worth a step of its own.
+    // A remainder within rounding is included in the increment.
     const bool is_last = last_.t + (1.0 + kRounding) * increment_ >= t_end;
     const double t = is_last ? t_end : last_.t + increment_;
-    // Asked for, not t - last_.t: a difference of levels carries their rounding.
+    // Not t - last_.t, which has the rounding of both levels.
     const double requested = is_last ? std::min(increment_, t_end - last_.t) : increment_;
 
     NewtonOutcome outcome = attempt(t, before_last_.has_value());
-    if (before_last_ && worth_a_nearer_start(outcome, options_)) outcome = attempt(t, false);
+    if (before_last_ && may_be_due_to_guess(outcome, options_)) outcome = attempt(t, false);
     if (outcome.stop == NewtonStop::kCancelled) return cancelled();
     if (outcome.stop == NewtonStop::kOutOfMemory)
       return fail(ErrorCode::kOutOfMemory, outcome.reason);
 
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
-      // A remnant before a level proves nothing for whole increments.
-      if (outcome.iterations() <= options_.target_iterations && requested >= kRemnant * increment_)
+      if (outcome.iterations() <= options_.target_iterations &&
+          requested >= kCutOffFraction * increment_)
         increment_ = std::min(std::max(increment_, requested) * options_.growth_factor,
                               options_.max_increment);
       if (on_state) LEFORT_TRY_VOID(on_state(last_));
     } else if (requested <= (1.0 + kRounding) * options_.min_increment) {
-      return stuck_at(t, "the smallest increment", outcome.reason);
+      return not_converged(t, "the smallest increment", outcome.reason);
     } else {
       increment_ = std::max(0.5 * requested, options_.min_increment);
     }
     if (last_.t < t_end && attempts_.size() >= attempts_allowed)
-      return stuck_at(t_end, fmt::format("{} attempts", options_.max_attempts).c_str(),
-                      outcome.reason);
+      return not_converged(t_end, fmt::format("{} attempts", options_.max_attempts).c_str(),
+                           outcome.reason);
   }
   return {};
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Follows a load from one level to the next in increments as large as converge.
+/// Incremental loading with adaptive increments.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,48 +14,50 @@
 
 namespace lefort::fem {
 
-/// A converged state.
+/// Equilibrium at one load level.
 struct LoadState {
-  double t = 0.0;  ///< Load level: whatever the caller's solve understands by it.
+  double t = 0.0;  ///< Load level; its meaning is that of SolveAtLoad.
   VectorX u;       ///< [mm]
 };
 
+/// Control of the increments.
 struct LoadStepOptions {
-  double first_increment = 1.0;       ///< Of t, > 0; cut to the distance to the next level.
-  double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; failing at this size ends the run.
+  double first_increment = 1.0;       ///< Of t, > 0; shortened to end at the next level.
+  double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; a failure at this size is an error.
   double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
-  double growth_factor = 2.0;  ///< An easy increment is multiplied by this, >= 1.
-  int target_iterations = 6;   ///< Newton needed at most so many: the increment was easy.
-  int max_attempts = 1000;     ///< Calls of solve for one advance_to(), at most; >= 1.
+  double growth_factor = 2.0;  ///< Factor of the next increment if the last was easy; >= 1.
+  int target_iterations = 6;   ///< An increment is easy up to this number of Newton iterations.
+  int max_attempts = 1000;     ///< Max number of solves in one advance_to(); >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
 [[nodiscard]] Result<void> validate(const LoadStepOptions& options);
 
-/// How one call of solve went.
+/// One call of SolveAtLoad.
 struct LoadAttempt {
   double t_from = 0.0;
   double t_to = 0.0;
   bool extrapolated = false;  ///< The start was extrapolated from the last two states.
   NewtonStop stop = NewtonStop::kConverged;
-  std::string reason;  ///< Newton's sentence.
+  std::string reason;  ///< NewtonOutcome::reason.
   std::vector<NewtonIterate> history;
 };
 
-/// Equilibrium at load level t from a start guess for u.
+/// Finds the equilibrium at load level t from an initial guess of u.
 using SolveAtLoad = std::function<NewtonOutcome(double t, const VectorX& start)>;
 
-/// Told each converged state; an error ends the walk there.
+/// Called with each converged state; an error ends advance_to() there.
 using OnLoadState = std::function<Result<void>(const LoadState&)>;
 
-/// Walks along a load path and remembers how.
+/// Follows a load path and records all attempts.
 class LoadStepper {
  public:
-  /// \param start    a converged state, for example the body at rest.
+  /// \param start    a converged state, for example the reference configuration.
+  /// \param solve    \pre not empty.
   /// \param options  \pre valid.
   LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptions& options = {});
 
-  /// All that the next step depends on.
+  /// State on which the next step depends.
   struct Checkpoint {
     LoadState last;
     std::optional<LoadState> before_last;
@@ -63,25 +65,31 @@ class LoadStepper {
   };
   [[nodiscard]] Checkpoint checkpoint() const { return {last_, before_last_, increment_}; }
 
-  /// Goes on as the stepper would have whose memory it was; attempts() begin anew.
+  /// \param checkpoint  of another stepper with the same path and options.
+  /// \param solve       \pre not empty.
+  /// \param options     \pre valid.
+  /// \returns a stepper that continues like the other one; its attempts() are empty.
   [[nodiscard]] static LoadStepper resumed(Checkpoint checkpoint, SolveAtLoad solve,
                                            const LoadStepOptions& options);
 
   /// Advances to load level `t_end` > state().t.
   ///
-  /// An increment that fails is halved, one that was easy lets the next grow; each call begins
-  /// with first_increment at least. The start guess is extrapolated from the last two converged
-  /// states; where that is inadmissible, soon gets stuck or leads to what is refused, the last
-  /// state serves.
+  /// An increment that fails is halved; after an easy one the next is larger; each call begins with
+  /// at least first_increment. The initial guess is extrapolated from the last two converged
+  /// states. If it is inadmissible, stagnates soon or leads to a rejected state, the last state is
+  /// the guess.
   ///
+  /// \param t_end     load level.
+  /// \param progress  checked before each increment for a request to stop.
+  /// \param on_state  called with each converged state; may be empty.
   /// \returns nothing if state() is now at t_end; or
-  ///   - kNotConverged     the smallest increment failed, or max_attempts were not enough; the
-  ///     sentence says where and why;
-  ///   - kOutOfMemory      Newton's factor does not fit into memory, however small the increment;
-  ///   - kInvalidArgument  t_end is not finite or does not lie ahead;
-  ///   - kCancelled        `progress` asked to stop;
+  ///   - kNotConverged     the min increment failed, or max_attempts were not enough; the message
+  ///     has the load levels and the reason;
+  ///   - kOutOfMemory      the factor of the tangent does not fit into memory;
+  ///   - kInvalidArgument  t_end is not finite, or not greater than state().t;
+  ///   - kCancelled        a stop was requested;
   ///   - what `on_state` returned, which may be empty.
-  /// After an error state() is the last converged state, and attempts() tells all that was tried.
+  /// After an error state() is the last converged state; attempts() has all attempts.
   [[nodiscard]] Result<void> advance_to(double t_end, Progress& progress = Progress::none(),
                                         const OnLoadState& on_state = {});
 

@@ -1,6 +1,6 @@
 /// \file
-/// Newton's method with line search for equations that are, but for follower loads, the gradient of
-/// an energy.
+/// Newton's method with line search for equations r(x) = 0 that are the gradient of an energy,
+/// except for forces without a potential (follower loads).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,26 +17,26 @@
 
 namespace lefort::fem {
 
-/// The forces at one state.
+/// Residual and energy at one state.
 struct ResidualState {
   double energy_mj = 0.0;             ///< W(x) [mJ].
   VectorX residual_n;                 ///< r(x) = dW/dx + follower_n [N], zero in equilibrium.
-  VectorX follower_n = {};            ///< What is no energy's gradient [N]; empty if there is none.
+  VectorX follower_n = {};            ///< Part of r without a potential [N]; empty if none.
   double residual_reference_n = 0.0;  ///< Size of the forces that cancel in r [N]; see Assembler.
-  double energy_round_off_mj = 0.0;   ///< Differences of W below this say nothing [mJ].
-  Index contacts = 0;                 ///< Points in contact, for the history.
-  double deepest_mm = 0.0;            ///< How deep one of them lies, for who watches [mm].
+  double energy_round_off_mj = 0.0;   ///< Differences of W below this are round-off [mJ].
+  Index contacts = 0;                 ///< Points in contact; for the history.
+  double deepest_mm = 0.0;            ///< Max penetration increase of these points [mm].
 };
 
-/// r(x) = 0. x holds the free displacements [mm].
+/// The equations r(x) = 0; x holds the free displacements [mm].
 class NonlinearSystem {
  public:
   virtual ~NonlinearSystem() = default;
 
-  /// \returns the balance at x, or nothing if x is inadmissible: an element turned inside out, NaN.
+  /// \returns the residual at x, or nothing if x is inadmissible: an element is inverted, or NaN.
   [[nodiscard]] virtual std::optional<ResidualState> residual_state(const VectorX& x) const = 0;
 
-  /// \returns the symmetric part of dr/dx [N/mm] or its convex stand-in, lower triangle with the
+  /// \returns the symmetric part of dr/dx or its PSD projection [N/mm]: the lower triangle with the
   ///   whole diagonal, always with the same pattern.
   /// \pre x is admissible.
   [[nodiscard]] virtual linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
@@ -48,66 +48,73 @@ class NonlinearSystem {
   }
 };
 
-/// One line of the history.
+/// One line of the history: a state and the step that led to it.
 struct NewtonIterate {
-  double residual_n = 0.0;  ///< |r| [N].
-  double residual_reference_n =
-      0.0;                     ///< [N]; residual_n / residual_reference_n is the relative residual.
-  double energy_mj = 0.0;      ///< Of followers: minus their work on the way from the start.
-  double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
-  double tangent_blend = 0.0;  ///< Of the convex tangent in the one the step was taken by.
-  double diagonal_shift = 0.0;  ///< tau: tau times its diagonal was added to it.
-  Index contacts = 0;           ///< Points in contact here.
+  double residual_n = 0.0;            ///< |r| [N].
+  double residual_reference_n = 0.0;  ///< [N]; the relative residual is |r| divided by this.
+  double energy_mj = 0.0;             ///< W, and minus the work of follower loads since the start.
+  double step_length = 0.0;           ///< alpha; 0 at the start.
+  double tangent_blend = 0.0;         ///< beta of the tangent of the step.
+  double diagonal_shift = 0.0;        ///< tau of the tangent of the step.
+  Index contacts = 0;                 ///< Points in contact.
 };
 
-/// What a solve spends its time on.
+/// Phases of a solve; for timing.
 enum class SolvePhase { kAssembly, kFactorization, kSolve, kNone };
 
 struct NewtonOptions {
-  double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
-  double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
-                                      ///< forces are all round-off.
-  /// How much of each component of r may be round-off [N]: converged, too, when what is left of r
-  /// satisfies the relative tolerance. Empty: none; find_equilibrium() wants all 3 per node.
+  /// Converged if |r| <= this times the residual reference; in [0, 1).
+  double relative_tolerance = 1e-8;
+  /// Converged if |r| <= this [N], >= 0: for a body at rest, whose forces are all round-off.
+  double absolute_tolerance_n = 0.0;
+  /// Bound of the round-off of each component of r [N]: converged, too, if the part of r beyond it
+  /// satisfies the relative tolerance. Empty: none. For find_equilibrium(): 3 per node.
   VectorX round_off_n = {};
-  /// Whether a start may be accepted because its r is nearly all round-off. False where something
-  /// pushes: a step is then tried first.
+  /// Whether a start may be accepted because its r is nearly all round-off. False if a load acts: a
+  /// step is then tried first.
   bool may_start_at_rest = true;
-  int max_iterations = 30;            ///< Newton steps, at most; >= 1.
-  int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
-  double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
-  int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
-  /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
+  int max_iterations = 30;  ///< Max number of steps; >= 1.
+  int max_backtracks = 20;  ///< Max number of contractions, or expansions, of one step; >= 0.
+  /// c of the Armijo condition, in (0, 0.5); the value is that of \cite nocedal2006, section 3.1.
+  double sufficient_decrease = 1e-4;
+  int stagnation_iterations = 8;  ///< Stop after this many steps without progress; >= 1.
+  /// Bounds of the relative tolerance of iterative linear solvers: 0 < min <= max < 1.
+  double max_linear_tolerance = 1e-2;
+  double min_linear_tolerance = 1e-10;
+  /// Largest tau, >= 0: beyond it the diagonal replaces the tangent.
+  double max_diagonal_shift = 1e3;
+  /// Called at the start of each phase, on the calling thread; may be empty.
   std::function<void(SolvePhase)> on_phase{};
-  /// Told each line of the history as it is found, likewise: for who watches. May be empty.
+  /// Called with each line of the history, on the calling thread; may be empty.
   std::function<void(const NewtonIterate&, const ResidualState&)> on_iterate{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
 [[nodiscard]] Result<void> validate(const NewtonOptions& options);
 
-/// Tells options.on_phase.
+/// Calls options.on_phase.
 inline void enter(SolvePhase phase, const NewtonOptions& options) {
   if (options.on_phase) options.on_phase(phase);
 }
 
+/// Why a solve ended.
 enum class NewtonStop {
   kConverged,
   kTooManyIterations,
-  kStagnated,           ///< No step, or many steps in a row, brought no headway.
-  kSingularTangent,     ///< No shift made the tangent positive definite: nothing holds the body.
-  kLinearNotConverged,  ///< An iterative linear solver gave up.
-  kOutOfMemory,  ///< The factor does not fit into memory; the problem may well have a solution.
-  kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
-  kRejected,           ///< Converged to a state that the caller does not accept.
-  kCancelled           ///< Progress asked to stop.
+  kStagnated,           ///< No acceptable step, or many steps without progress.
+  kSingularTangent,     ///< No shift made the tangent positive definite: the body is not supported.
+  kLinearNotConverged,  ///< An iterative linear solver did not converge.
+  kOutOfMemory,         ///< The factor does not fit into memory; a solution may exist.
+  kInadmissibleStart,   ///< The start inverts an element, or is not finite.
+  kRejected,            ///< Converged to a state that the caller rejects.
+  kCancelled            ///< Progress asked to stop.
 };
 
-/// What came out, whether or not it converged.
+/// Result of a solve, converged or not.
 struct NewtonOutcome {
   NewtonStop stop = NewtonStop::kInadmissibleStart;
-  std::string reason;                  ///< Why it stopped: a sentence with the figures.
-  VectorX x;                           ///< The last admissible state; the start if there is none.
+  std::string reason;                  ///< Why it ended, with the residual and the tolerance.
+  VectorX x;                           ///< Last admissible state; the start if there is none.
   std::vector<NewtonIterate> history;  ///< The start, then one line per iteration.
 
   [[nodiscard]] bool converged() const { return stop == NewtonStop::kConverged; }
@@ -116,30 +123,45 @@ struct NewtonOutcome {
   }
 };
 
-/// Solves r(x) = 0 from `start`.
+/// Solves r(x) = 0 from `start`, where r = dW/dx + f, and f is a part without a potential (often
+/// none). K is the symmetric part of dr/dx, and A its antisymmetric part, which is that of df/dx.
 ///
-/// Each step goes along -(K + tau D)^-1 r and is shortened until the energy falls sufficiently
-/// (Armijo; \cite nocedal2006, algorithm 3.1). K is the exact tangent; where that is not positive
-/// definite, a mean of it and the convex one, with as little of that as helps. D is the diagonal of
-/// K, and tau = 0 unless even the convex one is not (ibid., algorithm 3.3). Where the expected
-/// change of energy drowns in its round-off, |r| has to fall instead. A trial that is inadmissible
-/// is shortened like one that is too high. A step by another than the exact tangent, being too
-/// short along unstable directions, is lengthened while that pays.
+/// In each step:
 ///
-/// Where a part of r is no energy's gradient, minus its work along the straight step, by the
-/// trapezoidal rule, takes its place in W; and dr/dx is K + A with an antisymmetric A. The step is
-/// then solved for by GMRES, preconditioned by what was factorized, and taken if it lowers that W
-/// or |r|. If it does neither, a step by K alone is tried: it goes down that W, since along a
-/// straight line only the symmetric part of dr/dx does work (dx . A dx = 0).
+/// 1. **Convergence.** End if |r| <= max(relative_tolerance R, absolute_tolerance_n), R being the
+///    residual reference, or if the part of r beyond its round-off satisfies the first.
+/// 2. **Linear tolerance** of iterative solvers: eta_k = (|r_k| / |r_k-1|)^2 within bounds
+///    (\cite eisenstat1996, choice 2).
+/// 3. **Direction**: K dx = -r. If K is not positive definite, it is replaced by the first positive
+///    definite one of
+///      - (1 - beta) K + beta K+, where K+ is the PSD-projected tangent, for growing beta <= 1;
+///      - K+ + tau D, where D is the diagonal of K+, for growing tau (\cite nocedal2006, algorithm
+///        3.3).
+/// 4. **Forces without a potential**: if A != 0, also (K + A) dx' = -r by GMRES; the factor of step
+///    3 is the preconditioner.
+/// 5. **Line search along dx'**, if there is one: alpha = 1, 1/2, ... until the condition of step 6
+///    holds or |r(x + alpha dx')| <= (1 - c alpha) |r|.
+/// 6. **Line search along dx**, if there is no step yet (\cite nocedal2006, algorithm 3.1): Armijo
+///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
+///    it. If the expected change of W is within its round-off, |r| must
+///    decrease instead. dx descends, since dx . A dx = 0.
+/// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
+///    (3.5)) fails and W decreases.
+/// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a
+///    decrease of W by more than its round-off (after a step with tau > 0: by more than a fraction
+///    of the decrease so far), or of the minimum of |r| by 10 %.
 ///
-/// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
-/// downhill without end, only if it gains a notable part of what was gained so far.
+/// In steps 5 to 8, W contains the integral of f . dx along the steps (minus the work of the
+/// loads), by the trapezoidal rule: (f(x) + f(x + alpha dx)) / 2 . alpha dx for each step.
+/// Constants are in newton_constants.h.
 ///
+/// \param system         the equations.
+/// \param start          free displacements [mm].
+/// \param linear_solver  its symbolic analysis is reused from one call to the next.
 /// \param options        \pre valid.
-/// An iterative linear solver is asked for as much accuracy as each step deserves.
-///
-/// \param linear_solver  keeps its symbolic analysis from one call to the next.
-/// \param progress       asked before every iteration and factorization whether to stop.
+/// \param progress       checked in every step, and before every further factorization, for a
+///   request to stop.
+/// \returns the outcome with the full history; `reason` is set whether or not it converged.
 [[nodiscard]] NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                                          linear::LinearSolver& linear_solver,
                                          const NewtonOptions& options = {},

@@ -1,0 +1,79 @@
+/// \file
+/// Constants of solve_newton(), with their sources. What a user may change is in NewtonOptions.
+/// Values without a source are ours; the test named is in tests/fem/test_newton.cpp.
+#pragma once
+
+namespace lefort::fem::internal {
+
+// Diagonal shift tau (\cite nocedal2006, algorithm 3.3). The shift is relative to the diagonal.
+
+/// First tau, beta of the algorithm.
+inline constexpr double kFirstShift = 1e-3;
+/// Factor from one tau to the next. The algorithm has 2 and allows for more, since every trial
+/// costs a factorization.
+inline constexpr double kShiftGrowth = 4.0;
+/// Diagonal entries below this fraction of their mean are raised to it before they are scaled.
+inline constexpr double kMinDiagonal = 1e-3;
+
+// Tangent blend beta, the fraction of the PSD-projected tangent.
+
+/// First beta (test PrefersAPsdProjectedTangentToAShift).
+inline constexpr double kFirstBlend = 0.25;
+/// Factor from one beta to the next.
+inline constexpr double kBlendGrowth = 2.0;
+
+// Backtracking. The step is multiplied by the zero of the interpolated slope, restricted to
+// [kMaxContraction, kMinContraction] (\cite nocedal2006, section 3.5: safeguards).
+
+inline constexpr double kMinContraction = 0.5;
+inline constexpr double kMaxContraction = 0.1;
+/// If the accepted step is shorter than this, the next tangent blend starts higher.
+inline constexpr double kShortStep = 0.5;
+
+// Expansion of a step by a blended or shifted tangent (test
+// LeavesASaddleInFewStepsHoweverStiffThePsdProjectedTangent).
+
+/// c_2 of the curvature condition (\cite nocedal2006, equation (3.5)): the step is expanded while
+/// the slope at its end is below c_2 times that at its start.
+inline constexpr double kSlopeReduction = 0.3;
+inline constexpr double kMinExpansion = 1.5;
+inline constexpr double kMaxExpansion = 4.0;
+
+// Antisymmetric part A of the tangent, solved by GMRES.
+
+/// Entries of A below this fraction of those of K are round-off: contributions that cancel, as at
+/// the border of a pressure that slides in a plane.
+inline constexpr double kAntisymmetricRoundOff = 1e-10;
+inline constexpr int kMaxGmresIterations = 200;
+/// Tolerance of GMRES as a multiple of that of the symmetric solve: an iteration costs little
+/// compared with the factorization that is its preconditioner.
+inline constexpr double kGmresToleranceFactor = 1e-2;
+/// Tolerance of an iterative solver as preconditioner.
+inline constexpr double kPreconditionerTolerance = 1e-2;
+/// Largest relative residual of GMRES with which its direction is tried.
+inline constexpr double kMaxGmresResidual = 0.1;
+/// Max trials along the direction of GMRES; after them the direction of K alone is tried.
+inline constexpr int kNonsymmetricTrials = 4;
+
+// Stagnation.
+
+/// A decrease of the energy counts if it exceeds this multiple of the round-off ...
+inline constexpr double kRoundOffMultiple = 10.0;
+/// ... and, after a step with a shift, this fraction of the decrease so far (test
+/// ShiftedStepsWithLittleProgressStagnate).
+inline constexpr double kShiftedGainFraction = 1e-3;
+/// A decrease of |r| counts if |r| falls below this multiple of its minimum.
+inline constexpr double kResidualReduction = 0.9;
+
+// Convergence by round-off.
+
+/// A start whose |r| exceeds this fraction of the residual reference is not accepted as round-off,
+/// unless NewtonOptions::may_start_at_rest.
+inline constexpr double kMaxRoundOffFraction = 1e-3;
+
+// Linear tolerance (\cite eisenstat1996, choice 2).
+
+/// The tolerance is not less than this fraction of what convergence needs.
+inline constexpr double kOversolvingFraction = 0.1;
+
+}  // namespace lefort::fem::internal
