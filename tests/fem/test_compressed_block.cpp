@@ -78,7 +78,7 @@ class Block {
 
 /// Reference values are from finer regular meshes: tet10 and wedge15 give 0.912 and 0.916 N on 4
 /// cells per side, hex8 0.9541, 0.9371 and 0.9263 N on 4, 8 and 16. Meshes graded towards the edges
-/// of the plates show a limit half a percent lower (docs/locking.md).
+/// of the plates show a limit half a percent lower (docs/theory/locking.md).
 constexpr double kForce_n = 0.9075;
 constexpr double kBulge_mm = 0.1534;
 

@@ -346,7 +346,7 @@ double stiffness_of_one_layer(ElementShape shape, double poisson) {
 TEST(MeanDilatation, ASingleLayerResistsBending) {
   // With one average of J alone the ratio is two thirds for tet10 and a hundredth for wedge15. A
   // larger part at the points would be right for wedge15 at any nu, but worse for Cook's membrane
-  // (docs/locking.md).
+  // (docs/theory/locking.md).
   for (const double poisson : {0.3, 0.45, 0.4999}) {
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kTet10, poisson), 1.0, 0.1) << poisson;
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kWedge15, poisson),
