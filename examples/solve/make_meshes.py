@@ -85,7 +85,7 @@ def layers(file: Path, cells=(4, 4, 4), size_mm=(20.0, 20.0, 10.0)) -> None:
     file.write_text("\n".join(lines + ["$EndElements"]) + "\n")
 
 
-def ball(file: Path, radius_mm=6.0, centre=(10.0, 10.0, 16.0), rings=10, around=20) -> None:
+def ball(file: Path, radius_mm=6.0, center=(10.0, 10.0, 16.0), rings=10, around=20) -> None:
     """A sphere that touches the middle of the block's upper side."""
     points = [(0.0, 0.0, 1.0)]
     for ring in range(1, rings):
@@ -103,7 +103,7 @@ def ball(file: Path, radius_mm=6.0, centre=(10.0, 10.0, 16.0), rings=10, around=
             faces += [(at(ring, n), at(ring + 1, n), at(ring + 1, n + 1)),
                       (at(ring, n), at(ring + 1, n + 1), at(ring, n + 1))]
     faces += [(at(rings - 1, n + 1), at(rings - 1, n), len(points)) for n in range(around)]
-    lines = ["v " + " ".join(f"{c + radius_mm * x:.6g}" for c, x in zip(centre, p)) for p in points]
+    lines = ["v " + " ".join(f"{c + radius_mm * x:.6g}" for c, x in zip(center, p)) for p in points]
     lines += ["f " + " ".join(map(str, face)) for face in faces]
     file.write_text("\n".join(lines) + "\n")
 
