@@ -218,8 +218,8 @@ TEST_P(DeckFileRefuses, AndNamesTheKey) {
 INSTANTIATE_TEST_SUITE_P(
     Decks, DeckFileRefuses,
     testing::Values(
-        BadDeck{"UnknownKey", [](Json& j) { j["steps"]["colour"] = 1; },
-                "steps: unknown key 'colour'"},
+        BadDeck{"UnknownKey", [](Json& j) { j["steps"]["color"] = 1; },
+                "steps: unknown key 'color'"},
         BadDeck{"UnknownKeyOnTop", [](Json& j) { j["obstacle"] = 1; }, "unknown key 'obstacle'"},
         BadDeck{"NoMesh", [](Json& j) { j.erase("mesh"); }, "'mesh'"},
         BadDeck{"WrongVersion", [](Json& j) { j["lefort_deck"] = 2; }, "lefort_deck"},
@@ -292,7 +292,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "steps.initial_increment: 0.7 is more than steps.max_increment, 0.5"},
         BadDeck{"TimesAskedForWithoutAny", [](Json& j) { j["steps"].erase("times"); },
                 "output.every: times needs steps.times"},
-        BadDeck{"UnknownField", [](Json& j) { j["output"]["fields"][0] = "colour"; },
+        BadDeck{"UnknownField", [](Json& j) { j["output"]["fields"][0] = "color"; },
                 "output.fields[0]"},
         BadDeck{"UnknownSolver", [](Json& j) { j["linear_solver"] = "magic"; }, "linear_solver"},
         BadDeck{"OddResolution", [](Json& j) { j["obstacles"][0]["resolution"] = 100; },

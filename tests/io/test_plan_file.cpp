@@ -310,7 +310,7 @@ TEST(PlanFile, PlanesMayComeFromSlicer) {
   refuse({{"point_mm", {0, 0, 0}}}, "must have either point_mm and towards_segment, or file");
 }
 
-/// Slicer's center is the scan's origin; a pitch there would be told as a shift of the maxilla.
+/// Slicer's center is the scan's origin; a pitch there would be reported as a translation of the maxilla.
 TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   const test::TemporaryFolder folder;
   const RigidTransform X_LB = geometry::rigid_motion(Vec3::Zero(), {0.17, 0, 0}, {0, 60, 20});
@@ -437,8 +437,8 @@ TEST_P(PlanFileRefuses, AndNamesTheKey) {
 INSTANTIATE_TEST_SUITE_P(
     Plans, PlanFileRefuses,
     testing::Values(
-        BadPlan{"UnknownKey", [](Json& j) { j["tissue"]["colour"] = 1; },
-                "tissue: unknown key 'colour'"},
+        BadPlan{"UnknownKey", [](Json& j) { j["tissue"]["color"] = 1; },
+                "tissue: unknown key 'color'"},
         BadPlan{"UnknownKeyOnTop", [](Json& j) { j["tisue"] = 1; }, "unknown key 'tisue'"},
         BadPlan{"MissingKey", [](Json& j) { j["segments"][0].erase("path"); }, "'path'"},
         BadPlan{"WrongVersion", [](Json& j) { j["lefort_plan"] = 2; }, "lefort_plan"},

@@ -202,9 +202,9 @@ test('movement: 12 mm forward and 5 mm down by dragging, with overlap during the
     await page.mouse.down();
     const rates = [];
     const until = Date.now() + 3000;
-    for (let share = 0; share < 1; ) {
-      share = Math.min(1, 1 - (until - Date.now()) / 3000);
-      await page.mouse.move(box.x + found[0] + 12 * px * share, box.y + found[1]);
+    for (let part = 0; part < 1; ) {
+      part = Math.min(1, 1 - (until - Date.now()) / 3000);
+      await page.mouse.move(box.x + found[0] + 12 * px * part, box.y + found[1]);
       rates.push(
         Number(
           await page

@@ -88,7 +88,7 @@ describe('a section', () => {
   });
 });
 
-describe('a section of a moved bone', () => {
+describe('a section of a mobilized segment', () => {
   const move = { translation_mm: [3, -2, 5], rotation_deg: [10, -20, 35], about_mm: [5, 5, 5] } as const;
   const pose = poseOf(move);
 

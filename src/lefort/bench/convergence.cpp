@@ -254,7 +254,7 @@ std::string face_table(std::span<const MethodRun> runs) {
 std::string csv(std::span<const MethodRun> runs) {
   std::string text =
       "case,method,attempt,from,to,extrapolated,converged,iteration,residual_n,relative_residual,"
-      "contact_points,step_length,convex_share,shift\n";
+      "contact_points,step_length,tangent_blend,diagonal_shift\n";
   for (const MethodRun& run : runs) {
     int number = 0;
     for (const fem::LoadAttempt& attempt : run.attempts()) {

@@ -39,7 +39,7 @@ struct Tables {
   std::string markdown;
   std::string csv =
       "part,solver,shape,cells,dofs,threads,run,wall_seconds,seconds,peak_bytes,newton_iterations,"
-      "linear_iterations,largest_residual_n,load\n";
+      "linear_iterations,max_residual_n,load\n";
   Json json = Json::object();
 
   void add_row(const std::string& part, const std::string& solver, const BlockProblem& block,
@@ -55,7 +55,7 @@ struct Tables {
     csv += fmt::format("{},{},{},{},{:.0f},{},{},{},{},{},{:.0f},{},{},{}\n", part, solver,
                        mesh::name_of(block.shape), block.cells, dofs, threads, run,
                        number("wall_seconds"), number("seconds"), number("peak_bytes"), newton,
-                       number("linear_iterations"), number("largest_residual_n"), number("load"));
+                       number("linear_iterations"), number("max_residual_n"), number("load"));
   }
 };
 
@@ -112,7 +112,7 @@ class CalculixComparison {
  private:
   void add_row(int turn, const char* name, const Json& result, const std::string& ratio) {
     tables_.add_row("pair", name, block_, dofs_, options_.threads, turn, result);
-    const double residual_n = result.at("largest_residual_n").get<double>();
+    const double residual_n = result.at("max_residual_n").get<double>();
     rows_ += fmt::format("| {} | {} | {:.2f} | {} | {} | {:.2f} | {} |\n", turn, name,
                          result.at("wall_seconds").get<double>(), ratio,
                          sum_of(result.at("newton_iterations")),
@@ -157,7 +157,7 @@ class CalculixComparison {
                    {"peak_bytes", done.peak_bytes},
                    {"newton_iterations", Json::array({done.iterations})},
                    {"load", 1.0},
-                   {"largest_residual_n", done.max_residual_n}};
+                   {"max_residual_n", done.max_residual_n}};
     add_row(turn, name_of(results.solver), result, fmt::format("{:.1f}", results.ratios.back()));
     return result;
   }

@@ -166,8 +166,8 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
               {"failed_attempts", failed},
               {"newton_iterations", iterations},
               {"linear_iterations", solver.statistics().iterations},
-              {"factorisations", solver.statistics().factorizations},
-              {"largest_residual_n",
+              {"factorizations", solver.statistics().factorizations},
+              {"max_residual_n",
                assembler.dofs().free_part(forces->residual_n).lpNorm<Eigen::Infinity>()},
               {"energy_mj", forces->energy_mj}};
 }

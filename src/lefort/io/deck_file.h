@@ -32,7 +32,7 @@ struct WrittenFields {
   bool contact = true;
 };
 
-/// All that `lefort solve` is told. Paths are made absolute by the deck's folder.
+/// The input of `lefort solve`. Paths are made absolute by the deck's folder.
 struct DeckFile {
   std::string title;
   std::filesystem::path mesh;

@@ -1,6 +1,6 @@
 /// \file
-/// Distance fields in other formats: OpenVDB level sets and NRRD volumes (docs/reference/field-format.md, "In
-/// other formats").
+/// Distance fields in other formats: OpenVDB level sets and NRRD volumes
+/// (docs/reference/field-format.md, "In other formats").
 #pragma once
 
 #include <lefort/core/error.h>

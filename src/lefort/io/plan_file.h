@@ -16,7 +16,7 @@
 
 namespace lefort::io {
 
-/// All that `lefort predict` and `lefort plan check` are told.
+/// The input of `lefort predict` and `lefort plan check`.
 struct PlanFile {
   std::string title;
   std::optional<std::filesystem::path> ct;      ///< Made absolute by the plan file's folder.

@@ -19,7 +19,8 @@ enum class SegmentInterface {
 /// Boundary condition where the scanned volume ends.
 enum class ScanBoundary { kFree, kFixed };
 
-/// Skin as a separate layer on the deep tissue. Constants and their sources: docs/theory/materials.md.
+/// Skin as a separate layer on the deep tissue. Constants and their sources:
+/// docs/theory/materials.md.
 struct SkinOptions {
   double thickness_mm = 1.5;  ///< Of epidermis and dermis, > 0 (0.8 to 2: \cite chopra2015).
   int layers = 2;             ///< Of wedges, 1 to 8.

@@ -63,20 +63,20 @@ export class LiveQueries {
     try {
       const xyz = await this.planner.client.preview(this.planner.cutPoses(), aborter.signal);
       this.listeners.onPreview(xyz);
-      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
+      const max_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
       requestAnimationFrame(() =>
-        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
+        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', max_mm } }),
       );
     } catch (error) {
       if (aborter.signal.aborted) return;
       this.listeners.onPreview(null);
-      this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), largest_mm: 0 } });
+      this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), max_mm: 0 } });
     }
   }
 
   dropPreview(): void {
     this.listeners.onPreview(null);
     if (this.planner.model.s.preview.state !== 'none')
-      this.planner.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+      this.planner.patch({ preview: { state: 'none', latency_ms: null, why: '', max_mm: 0 } });
   }
 }

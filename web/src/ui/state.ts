@@ -111,7 +111,7 @@ export interface State {
     state: 'none' | 'waiting' | 'shown' | 'failed';
     latency_ms: number | null;
     why: string;
-    largest_mm: number;
+    max_mm: number;
   };
   showPreview: boolean;
 
@@ -195,7 +195,7 @@ const initialPlanning = () =>
     depth: null,
     showOverlap: true,
     showSlices: false,
-    preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
+    preview: { state: 'none', latency_ms: null, why: '', max_mm: 0 },
     showPreview: true,
   }) satisfies Partial<State>;
 

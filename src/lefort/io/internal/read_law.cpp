@@ -85,7 +85,7 @@ class Constants {
     return 0;
   }
 
-  /// \returns nothing, or the first complaint: of a key that was asked for, or that nobody was.
+  /// \returns nothing, or the first complaint: a required key is missing, or a key is unknown.
   [[nodiscard]] Result<void> finish(const std::string& law) const {
     if (complaint_) return fail(ErrorCode::kPlanInvalid, *complaint_);
     for (const auto& [key, value] : object_.items())

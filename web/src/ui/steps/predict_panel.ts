@@ -128,7 +128,7 @@ function previewSection(app: App, s: State): Html {
     previewState(app, s),
     s.preview.state === 'shown'
       ? html`<p class="hint">
-          Skin moves by up to <b>${mm(s.preview.largest_mm)}</b>. Shown
+          Skin moves by up to <b>${mm(s.preview.max_mm)}</b>. Shown
           <span data-id="preview-latency" data-ms=${latency_ms.toFixed(0)}>${fixed(latency_ms / 1000, 2)} s</span>
           after the change.
         </p>`
