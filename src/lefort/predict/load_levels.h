@@ -24,9 +24,9 @@ struct LoadLevel {
 [[nodiscard]] std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths,
                                                  int increments);
 
-/// Number of equal increments of a step. In one increment no vertex of a segment moves further than
-/// a quarter of an element, or than half of `max_distance_mm`
-/// (docs/theory/contact.md, Load stepping). Plans that differ only in their number of steps can thus have the same increments.
+/// Number of equal increments of a step. In one increment no vertex of a segment moves further
+/// than a quarter of an element, or than half of `max_distance_mm` (docs/theory/contact.md, Load
+/// stepping). Plans that differ only in their number of steps can thus have the same increments.
 ///
 /// \param tissue           its element size is used.
 /// \param paths            one for each segment.
