@@ -171,7 +171,7 @@ TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
             std::string::npos);
   const json job = again.run(R"({"kind":"predict"})");
   ASSERT_EQ(job["state"], "done") << job;
-  EXPECT_NE(job["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  EXPECT_NE(job["lines"].dump().find("were computed by an earlier run"), std::string::npos);
   for (const char* file : {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0006.vtu"})
     EXPECT_EQ(io::read_text(root / "prediction" / file, 1 << 28).value(),
               io::read_text(folder / "whole" / file, 1 << 28).value())

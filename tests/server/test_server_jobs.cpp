@@ -761,7 +761,7 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
   }
   const json again = api.run({{"kind", "predict"}});
   ASSERT_EQ(again["state"], "done");
-  EXPECT_NE(again["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  EXPECT_NE(again["lines"].dump().find("were computed by an earlier run"), std::string::npos);
   // Its history begins with what the earlier run found, each step once.
   const json history = api.get("/jobs/" + std::to_string(again["id"].get<int>()) + "/iterates");
   ASSERT_EQ(history["steps"].size(), 2U);

@@ -15,6 +15,7 @@ namespace lefort::pipeline {
 [[nodiscard]] report::CaseReport prediction_report(const PreparedCase& prepared,
                                                    const predict::FacePrediction& prediction,
                                                    std::span<const PredictionPicture> pictures,
-                                                   const SkinShift& skin, const Timing& timing);
+                                                   const predict::SkinDisplacement& skin,
+                                                   const Timing& timing);
 
 }  // namespace lefort::pipeline

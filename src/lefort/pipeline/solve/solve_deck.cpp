@@ -168,46 +168,46 @@ Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepare
   return summary;
 }
 
-}  // namespace
+Error in_deck(const SolveJob& job, const Error& error) {
+  return {error.code, fmt::format("deck {}: {}", job.deck.string(), error.message)};
+}
 
-Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
-  PhaseClock clock;
-  clock.begin("read");
-  progress.begin_stage("read");
-  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
-  const io::DeckFile& file = text.file;
-  io::note_warnings(file.warnings, progress);
+Result<solve::PreparedDeck> read_and_prepare(const SolveJob& job, const io::DeckFile& file) {
   LEFORT_TRY_VOID(check_obstacle_files(file));
   LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
-  Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
-  if (!checked)
-    return fail(checked.error().code,
-                fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
-  solve::PreparedDeck prepared = *std::move(checked);
+  Result<solve::PreparedDeck> prepared = solve::prepare_deck(std::move(mesh), file.deck);
+  if (!prepared) return tl::unexpected(in_deck(job, prepared.error()));
+  return prepared;
+}
 
-  clock.begin("obstacles");
+/// Adds warnings on the obstacles to those of the deck, and reports all.
+Result<solve::ObstacleDistanceQueries> prepare_obstacles(const SolveJob& job,
+                                                         const io::DeckFile& file,
+                                                         solve::PreparedDeck& prepared,
+                                                         Progress& progress) {
   if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
-  LEFORT_TRY(const solve::ObstacleDistanceQueries distance_queries,
-             detect_obstacles(file, progress));
-  const auto overlaps = solve::check_obstacles(prepared, distance_queries);
-  if (!overlaps)
-    return fail(overlaps.error().code,
-                fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
+  LEFORT_TRY(solve::ObstacleDistanceQueries queries, detect_obstacles(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, queries);
+  if (!overlaps) return tl::unexpected(in_deck(job, overlaps.error()));
   prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
-  if (!job.quiet)
-    for (std::size_t i = 0; i < distance_queries.size(); ++i)
-      progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
-                                prepared.deck.obstacles[i].name,
-                                contact::name_of(prepared.deck.obstacles[i].detection),
-                                kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
-  if (job.check_only) return summary_of_check(job, prepared);
+  if (job.quiet) return queries;
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
+                              prepared.deck.obstacles[i].name,
+                              contact::name_of(prepared.deck.obstacles[i].detection),
+                              kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
+  return queries;
+}
 
-  clock.begin("read");
-
+/// Solves the deck and writes its results as they are computed.
+Result<Summary> solve_and_write(const SolveJob& job, const io::DeckFile& file,
+                                const solve::PreparedDeck& prepared,
+                                const solve::ObstacleDistanceQueries& queries, PhaseClock& clock,
+                                Progress& progress) {
   LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
-  const io::EmptyFolderCleanup none_left(job.output);
+  const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);
@@ -230,8 +230,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
     clock.begin("diagnosis");
     return {};
   };
-  LEFORT_TRY(const solve::DeckRun run,
-             solve::run_deck(prepared, distance_queries, watch, progress));
+  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, queries, watch, progress));
   clock.begin("output");
   LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
   if (!run.completed()) return ended_early(job, run, writer);
@@ -243,6 +242,25 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
       prepared.mesh.element_count(), peak_memory_mb());
   summary.json = json;
   return summary;
+}
+
+}  // namespace
+
+Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
+  PhaseClock clock;
+  clock.begin("read");
+  progress.begin_stage("read");
+  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
+  io::note_warnings(text.file.warnings, progress);
+  LEFORT_TRY(solve::PreparedDeck prepared, read_and_prepare(job, text.file));
+
+  clock.begin("obstacles");
+  LEFORT_TRY(const solve::ObstacleDistanceQueries queries,
+             prepare_obstacles(job, text.file, prepared, progress));
+  if (job.check_only) return summary_of_check(job, prepared);
+
+  clock.begin("read");
+  return solve_and_write(job, text.file, prepared, queries, clock, progress);
 }
 
 }  // namespace lefort::pipeline

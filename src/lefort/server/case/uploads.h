@@ -48,6 +48,12 @@ class Uploads {
     std::uint64_t order = 0;
     std::map<int, std::pair<std::string, std::uint64_t>> files;  ///< Name and bytes.
   };
+  [[nodiscard]] std::optional<Response> check_file(int index, const Request& request) const;
+  /// Counts the body of `request` against the limit, or says why not.
+  [[nodiscard]] std::optional<Response> reserve(const std::string& id, const Request& request);
+  /// Moves a received file into the folder of its upload.
+  [[nodiscard]] Response store(const std::string& id, int index, const std::string& name,
+                               const std::filesystem::path& temporary, std::uint64_t bytes);
   void drop(const std::string& id);
   [[nodiscard]] std::uint64_t bytes() const;
 
