@@ -646,7 +646,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   ASSERT_EQ(paint(api, 1).status, 204);
   stages = api.get("/case")["stages"];
   EXPECT_EQ(stages["prediction"]["state"], "stale");
-  EXPECT_EQ(stages["prediction"]["why"], "boundary.seg.nrrd was changed since");
+  EXPECT_EQ(stages["prediction"]["why"], "boundary.seg.nrrd changed after this was computed");
   EXPECT_EQ(stages["preview"]["state"], "stale");
   EXPECT_EQ(stages["cut"]["state"], "fresh");
   ASSERT_EQ(paint(api, kWithSegment).status, 204);  // As it was: all that was made fits again.
