@@ -121,7 +121,7 @@ struct Head {
   static double depth_in_shell_mm(const Vec3& p) {
     return std::min(-beyond_mm(p, 51.0), beyond_mm(p, 40.0));
   }
-  /// HU; a voxel on a border has a share of both sides, as in a scanner.
+  /// HU; a voxel on a border is a mixture of both sides, as in a scanner.
   [[nodiscard]] double hu(const Vec3& p_L, double voxel_mm) const {
     const auto fraction = [&](double depth_mm) {
       return std::clamp(0.5 + depth_mm / voxel_mm, 0.0, 1.0);

@@ -101,7 +101,7 @@ TEST_F(PlanCommand, LandmarksGoWithTheBoneTheyLieOn) {
   EXPECT_LT((*plan::find_landmark(after, "PNS") - Vec3(0, -5, 13)).norm(), 1e-9);
 }
 
-/// Skin is for predictions, and what lies on no bone for nobody: neither is told as if it stayed.
+/// Landmarks on the skin, or away from bone, are not reported as if they had not moved.
 TEST_F(PlanCommand, WhatIsNotKnownAfterwardsIsNotReported) {
   const auto run = check(plan(), "--no-pictures");
   ASSERT_EQ(run.exit_code, 0);

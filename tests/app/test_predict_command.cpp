@@ -57,7 +57,7 @@ class PredictCommand : public testing::Test {
     EXPECT_TRUE(text) << file;
     return text ? json::parse(*text) : json();
   }
-  /// Of what two folders tell, but for how long it took, and of those files.
+  /// The contents of two result folders are equal, except run times.
   void expect_same_bytes(const fs::path& one, const fs::path& other,
                          std::initializer_list<const char*> files) {
     json first = read_json(one / "prediction.json"), second = read_json(other / "prediction.json");
@@ -318,7 +318,7 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
   }
 }
 
-/// Where tissue is attached, paint that lets go of it changes no other set than its own.
+/// Where tissue is bonded, paint that releases it changes no other set than its own.
 TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   json plan = small_plan();
   plan["boundary"] = {{"segment_interface", "bonded"}, {"labels", "painted.seg.nrrd"}};

@@ -379,7 +379,7 @@ TEST_F(SolveCommand, AnInterruptedRunKeepsWhatConverged) {
   deck["steps"] = {{"max_increment", 0.0001}, {"max_attempts", 1000000}};  // Many seconds of work.
   const auto run = solve(deck, "out", "& pid=\\$!; sleep 2; kill -INT \\$pid; wait \\$pid");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.error.find("stopped when asked to"), std::string::npos) << run.error;
+  EXPECT_NE(run.error.find("stopped on request"), std::string::npos) << run.error;
   EXPECT_EQ(run.message_lines(), 1) << run.error;
   const json result = read_json("out/solve.json");
   EXPECT_EQ(result["completed"], false);
@@ -539,7 +539,7 @@ TEST_F(SolveCommand, BadDecksAreOneLineAndLeaveNothing) {
     spoil(deck);
     return deck;
   };
-  expect_refusal(spoilt([](json& d) { d["colour"] = "red"; }), "unknown key 'colour'");
+  expect_refusal(spoilt([](json& d) { d["hue"] = "red"; }), "unknown key 'hue'");
   expect_refusal(spoilt([](json& d) { d["materials"][0]["law"] = "rubber"; }),
                  "there is no law 'rubber'");
   expect_refusal(spoilt([](json& d) { d["materials"][0]["mu_kpa"] = -1; }),
@@ -693,7 +693,7 @@ TEST_F(SolveCommand, AFullDiskIsOneLine) {
 TEST_F(SolveCommand, WrongUsageIsTwo) {
   EXPECT_EQ(test::run_lefort("solve").exit_code, 2);
   EXPECT_EQ(test::run_lefort("solve deck.json").exit_code, 2);
-  EXPECT_EQ(test::run_lefort("solve deck.json -o out --colour").exit_code, 2);
+  EXPECT_EQ(test::run_lefort("solve deck.json -o out --hue").exit_code, 2);
   const auto help = test::run_lefort("solve --help");
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_NE(help.out.find("lefort solve examples/solve/"), std::string::npos);

@@ -54,7 +54,7 @@ TEST(StageCache, ADamagedFileIsRebuilt) {
   EXPECT_EQ(stage.made, 2);
 }
 
-/// Remembers what it was told.
+/// Records stages and notes.
 class RecordedProgress final : public Progress {
  public:
   void begin_stage(std::string_view name) override { stages += name; }

@@ -147,7 +147,7 @@ TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
   EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "missing");
 }
 
-/// The whole way of a case, each answer held against the contract.
+/// The whole workflow of a case; each response is validated against the contract.
 TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   test::CaseApi api;
   const auto call_api = [&](const std::string& method, const std::string& pattern,

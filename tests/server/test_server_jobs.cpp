@@ -36,7 +36,7 @@ JobRecord wait_for(const Jobs& jobs, int id) {
   return *jobs.find(id);
 }
 
-/// Runs until it is told to stop.
+/// Runs until it is stopped.
 Result<JobOutcome> run_until_stopped(const JobRecord&, Progress& progress) {
   progress.begin_stage("wait");
   while (!progress.stop_requested()) std::this_thread::sleep_for(milliseconds(2));
@@ -273,7 +273,7 @@ TEST(EventBatcher, ReportsAllInOrderAtMostTenTimesASecond) {
   EXPECT_LE(batches.size(), 20U);
   EXPECT_GE(batches.size(), 19U);
   iterates.flush(start + milliseconds(2000));
-  iterates.flush(start + milliseconds(2001));  // Nothing is left to tell.
+  iterates.flush(start + milliseconds(2001));  // Nothing is waiting.
   json all = json::array();
   for (const json& batch : batches) {
     EXPECT_FALSE(batch.empty());
@@ -480,8 +480,8 @@ TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
   EXPECT_FALSE(fs::exists(preview / "face.preview"));
 }
 
-/// Whether events tell the iterations that the document holds, each before its step's end, and as
-/// the contract has them.
+/// Whether events report the iterations of the document, each before the end of its step, and match
+/// the contract.
 void expect_iterates_reported(const std::string& events, const json& document) {
   std::vector<double> reported, held;
   std::size_t newton = 0, steps = 0;
@@ -511,7 +511,7 @@ void expect_iterates_reported(const std::string& events, const json& document) {
   EXPECT_EQ(steps, document["steps"].size());
 }
 
-/// What is told to a page that comes late is what the events have told, numbered alike.
+/// The history for a page that connects late has the content and the numbers of the events.
 void expect_history(const std::string& events, const json& history) {
   EXPECT_EQ(history["from"], 0);
   json iterates = json::array(), steps = json::array();
@@ -686,7 +686,7 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
     if (!box.empty()) request.query["box"] = box;
     return api.api.handle(request);
   };
-  EXPECT_EQ(paint(api, 1).status, 404);  // There is no scan.
+  EXPECT_EQ(paint(api, 1).status, 404);  // The case has no scan.
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   EXPECT_EQ(api.call_api("GET", "/boundary/data").status, 404);
   ASSERT_EQ(paint(api, 1).status, 204);

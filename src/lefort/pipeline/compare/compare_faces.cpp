@@ -158,7 +158,7 @@ Result<nlohmann::json> fingerprints_of(const Inputs& inputs) {
 
 Result<void> write_surgery(const fs::path& folder, const SurgeryFound& surgery) {
   LEFORT_TRY_VOID(io::write_text(folder / kMovements, movements_csv(surgery)));
-  // As a transform of Slicer: moves the scan after surgery onto the head before it.
+  // Transform for 3D Slicer from the scan after surgery to the head before surgery.
   LEFORT_TRY_VOID(io::write_transform(folder / kRegistration, surgery.base.X_onto_from.inverse()));
   LEFORT_TRY_VOID(io::write_surface(folder / kSkinAfter, surgery.skin_L));
   return io::write_surface(folder / kBoneAfter, surgery.bone_L);

@@ -1,5 +1,5 @@
 /// \file
-/// From a scan after surgery to the movements that were achieved.
+/// Achieved movements from a scan after surgery.
 #pragma once
 
 #include <lefort/compare/recover_surgery.h>

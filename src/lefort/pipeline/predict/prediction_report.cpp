@@ -122,7 +122,7 @@ std::string mucosa_in_words(const predict::TissueOptions& tissue) {
 
 std::string muscle_in_words(const predict::TissueOptions& tissue) {
   if (!tissue.muscle) return "as deep tissue";
-  return "as labelled; " + law_in_words(tissue.muscle->young_mpa, tissue.muscle->poisson);
+  return "as labeled; " + law_in_words(tissue.muscle->young_mpa, tissue.muscle->poisson);
 }
 
 /// The material of the tissue, and which tissues are not distinguished.
@@ -221,7 +221,7 @@ std::vector<report::SolverStep> solver_steps(const predict::FacePrediction& pred
   return steps;
 }
 
-/// Pairs pictures of the same side, shows the others one by one.
+/// Pairs pictures from the same camera, and adds the others singly.
 void add_pictures(std::span<const PredictionPicture> pictures, report::CaseReport& report) {
   std::vector<const PredictionPicture*> before;
   for (const PredictionPicture& picture : pictures)

@@ -64,21 +64,21 @@ Result<void> check_obstacle_files(const io::DeckFile& file) {
   for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
     std::error_code error;
     if (!fs::is_regular_file(file.obstacles[i].file, error))
-      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: there is no file {}", i,
+      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: file {} does not exist", i,
                                                         file.obstacles[i].file.string()));
   }
   return {};
 }
 
-/// All files that a deck is made of.
+/// The deck and all files that it names.
 std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file) {
   std::vector<fs::path> files{job.deck, file.mesh};
   for (const io::ObstacleFile& obstacle : file.obstacles) files.push_back(obstacle.file);
   return files;
 }
 
-/// A tree of boxes reaches everywhere unless told otherwise.
-constexpr double kNoEnd_mm = std::numeric_limits<double>::infinity();
+/// Unless the deck has a band, queries by BVH have no largest distance.
+constexpr double kUnlimited_mm = std::numeric_limits<double>::infinity();
 
 using DistanceQueryPtr = std::shared_ptr<const contact::DistanceQuery>;
 
@@ -88,12 +88,12 @@ Result<DistanceQueryPtr> detect_obstacle(const io::ObstacleFile& file,
   if (detection == contact::DetectionMethod::kBvh) {
     if (is_field)
       return fail(ErrorCode::kInvalidArgument,
-                  "detection bvh needs the surface, not its distance field");
+                  "detection bvh requires the surface, not its distance field");
     LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
     LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
     return contact::bvh_distance_query(
         std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
-        file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
+        file.options.band_mm > 0.0 ? file.options.band_mm : kUnlimited_mm);
   }
   const auto shared = [&](field::DistanceField field) {
     return contact::field_distance_query(
@@ -134,13 +134,13 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
     line += fmt::format(", {} nodes in contact", contact.nodes);
     const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
     if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
-      line += fmt::format(" {:.3g} mm deep (P99), deeper than {:g} mm",
+      line += fmt::format(" with a P99 of the penetration increase of {:.3g} mm, above {:g} mm",
                           contact.p99_depth_from_rest_mm, *tolerance_mm);
   }
   return line;
 }
 
-/// A run that ended early has its results written; how it is told.
+/// The error of a run that ended early, whose results are written.
 tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run,
                                   const SolveWriter& writer) {
   const Error& failure = *run.failure;
@@ -150,7 +150,7 @@ tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run
                : std::string("no increment converged");
   const std::string json = (job.output / "solve.json").string();
   if (failure.code == ErrorCode::kCancelled)
-    return fail(failure.code, fmt::format("stopped when asked to; {}; see {}", kept, json));
+    return fail(failure.code, fmt::format("stopped on request; {}; see {}", kept, json));
   return fail(failure.code,
               fmt::format("{}; {}; the solver's history is in {}", failure.message, kept, json));
 }
@@ -158,7 +158,7 @@ tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run
 Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepared) {
   Summary summary;
   summary.text = fmt::format(
-      "{}: {} nodes, {} elements, {} components held; nothing is wrong with it", job.deck.string(),
+      "{}: {} nodes, {} elements, {} prescribed components; the deck is valid", job.deck.string(),
       prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.prescribed.size());
   summary.json = {{"deck", job.deck.string()},
                   {"nodes", prepared.mesh.node_count()},

@@ -15,7 +15,7 @@ class EventBatcher {
   using Clock = std::chrono::steady_clock;
   static constexpr auto kPause = std::chrono::milliseconds(100);
 
-  /// \param tell  called with an array of iterates, in order.
+  /// \param notify  called with an array of iterates, in order.
   explicit EventBatcher(std::function<void(nlohmann::json iterates)> notify)
       : report_(std::move(notify)) {}
 
