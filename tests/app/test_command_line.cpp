@@ -94,7 +94,7 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
 }
 
 /// The distance of a surface from the isosurface is reported, and is less than half a voxel.
-TEST(CommandLine, SegmentSmoothsAndDecimatesAndSaysWhatThatCost) {
+TEST(CommandLine, SegmentSmoothsAndDecimatesAndReportsTheError) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
   const auto surfaces = [&](const std::string& options) {
@@ -231,7 +231,7 @@ void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
   EXPECT_EQ(folder.entry_count(), entries_before);
 }
 
-TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
+TEST(CommandLine, AnErrorOfAFieldIsOneLine) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 2)));
   const std::string field = quoted(folder / "ball.field");

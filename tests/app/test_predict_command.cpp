@@ -207,7 +207,7 @@ void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0,
   ASSERT_TRUE(io::write_text(file, bytes));
 }
 
-TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted) {
+TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsReportedAndFingerprinted) {
   ASSERT_EQ(predict("by_rule", "--no-pictures").exit_code, 0);
   const json by_rule = read_json("by_rule/prediction.json");
   EXPECT_TRUE(by_rule["mesh"]["boundary"]["painted"].is_null());
@@ -227,7 +227,7 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
   const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
   StopAfterAStep stop;
   EXPECT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
-  paint(folder_ / "painted.seg.nrrd", "with segment");  // What was found is of no use now.
+  paint(folder_ / "painted.seg.nrrd", "with segment");  // The cached steps are not valid now.
   const auto run = predict("fixed", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_EQ(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
@@ -319,7 +319,7 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
 }
 
 /// Where tissue is bonded, paint that releases it changes no other set than its own.
-TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
+TEST_F(PredictCommand, StepsWithOtherPaintAreNotResumed) {
   json plan = small_plan();
   plan["boundary"] = {{"segment_interface", "bonded"}, {"labels", "painted.seg.nrrd"}};
   write_plan(plan);
@@ -333,7 +333,7 @@ TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   EXPECT_EQ(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
 }
 
-TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {
+TEST_F(PredictCommand, BoneOverlapAlongThePathIsReported) {
   json plan = small_plan();
   plan["segments"][0]["path"] = {{"steps", 2}, {"keyframes", {{{"translation_mm", {0, 3, 0}}}}}};
   write_plan(plan);
@@ -401,7 +401,7 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   EXPECT_GT(right["nodes"], 0);
   EXPECT_EQ(all["nodes"], left["nodes"].get<int>() + right["nodes"].get<int>());
   EXPECT_EQ(all["max_penetration_increase_mm"], left["max_penetration_increase_mm"]);
-  EXPECT_EQ(result["bone_overlap"].size(), 2U * 3U);  // Each with the other and with what stays.
+  EXPECT_EQ(result["bone_overlap"].size(), 2U * 3U);  // Each with the other and with the remainder.
 
   for (const char* gone : {"out/bone_segment_moved.vtp", "out/bone_overlap.vtp"})
     EXPECT_FALSE(there_is(gone)) << gone;
@@ -431,7 +431,7 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   EXPECT_TRUE(there_is("out/bone_segment_moved.vtp"));
 }
 
-TEST_F(PredictCommand, ABoneInTwoPiecesThatMoveAlikeIsAsGoodAsWhole) {
+TEST_F(PredictCommand, ASegmentInTwoPiecesThatMoveTogetherEqualsOnePiece) {
   ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
   write_plan(test::two_piece_plan({0, -3, 0}, {0, -3, 0}));
   const auto run = predict("two", "--no-pictures");
@@ -458,14 +458,14 @@ TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThr
   expect_same_bytes("whole", "stopped",
                     {"predicted_skin.stl", "bone_segment_moved_left.vtp",
                      "bone_segment_moved_right.vtp", "paraview/step_0002.vtu"});
-  // Another way of one of them is another prediction.
+  // Another path of one segment is another prediction.
   write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2.5, 0}));
   const auto other = predict("stopped", "--no-pictures");
   ASSERT_EQ(other.exit_code, 0) << other.error;
   EXPECT_EQ(other.error.find("computed by an earlier run"), std::string::npos) << other.error;
 }
 
-TEST_F(PredictCommand, SegmentsThatAreDrivenIntoEachOtherAreReported) {
+TEST_F(PredictCommand, OverlapOfSegmentsIsReported) {
   write_plan(test::two_piece_plan({-2, -2, 0}, {0, -2, 0}));
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;

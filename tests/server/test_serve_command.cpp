@@ -122,7 +122,7 @@ TEST(ServeCommand, EndsIfInterruptedBeforeItListens) {
   }
 }
 
-TEST(ServeCommand, ASecondServerOnACaseIsRefusedInOneLine) {
+TEST(ServeCommand, ASecondServerOnACaseIsRejectedWithOneLine) {
   const test::TemporaryFolder folder;
   const Program first(folder / "case");
   ASSERT_GT(first.port, 0);
@@ -136,7 +136,7 @@ TEST(ServeCommand, ASecondServerOnACaseIsRefusedInOneLine) {
   EXPECT_EQ(port.message_lines(), 1) << port.error;
 }
 
-TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
+TEST(ServeCommand, AKilledPredictionResumesWithTheSameBytes) {
   const test::TemporaryFolder folder;
   const fs::path root = folder / "case";
   fs::create_directories(root);
