@@ -55,7 +55,7 @@ TEST(CommandLine, WrongUsageExitsWithTwoAndOneLine) {
   for (const char* arguments :
        {"", "operate", "import", "import a.nrrd", "field", "field build a.stl -o a.field --band -1",
         "field build a.stl -o a.field --resolution 100", "--threads x import a -o b",
-        "predict plan.json -o out --colour red"}) {
+        "predict plan.json -o out --hue red"}) {
     const auto run = run_lefort(arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
     EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
@@ -93,8 +93,8 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
   EXPECT_GT(nlohmann::json::parse(run.out)["volumes_ml"]["brain"], 0.0);
 }
 
-/// What a surface lost on its way from the isosurface is told, and is less than half a voxel.
-TEST(CommandLine, SegmentSmoothsAndDecimatesAndSaysWhatThatCost) {
+/// The distance of a surface from the isosurface is reported, and is less than half a voxel.
+TEST(CommandLine, SegmentSmoothsAndDecimatesAndReportsTheError) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
   const auto surfaces = [&](const std::string& options) {
@@ -231,7 +231,7 @@ void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
   EXPECT_EQ(folder.entry_count(), entries_before);
 }
 
-TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
+TEST(CommandLine, AnErrorOfAFieldIsOneLine) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 2)));
   const std::string field = quoted(folder / "ball.field");
@@ -354,13 +354,13 @@ TEST(CommandLine, APlanIsCheckedBeforeAnythingIsDone) {
   const std::string segments =
       R"("segments":[{"name":"m","osteotomy":{"planes":[{"point_mm":[0,0,0],"towards_segment":[0,-1,0]}]},)"
       R"("path":{"keyframes":[{"translation_mm":[0,-6,0]}]}}])";
-  ASSERT_TRUE(io::write_text(folder / "unknown.json",
-                             R"({"lefort_plan":1,"colour":"red",)" + segments + "}"));
+  ASSERT_TRUE(
+      io::write_text(folder / "unknown.json", R"({"lefort_plan":1,"hue":"red",)" + segments + "}"));
   ASSERT_TRUE(io::write_text(folder / "lost.json",
                              R"({"lefort_plan":1,"ct":"lost.nrrd",)" + segments + "}"));
   const long before = folder.entry_count();
   const std::string to = " -o " + quoted(folder / "out");
-  expect_clean_failure(run_lefort("predict " + quoted(folder / "unknown.json") + to), "'colour'",
+  expect_clean_failure(run_lefort("predict " + quoted(folder / "unknown.json") + to), "'hue'",
                        folder, before);
   expect_clean_failure(run_lefort("predict " + quoted(folder / "lost.json") + to), "lost.nrrd",
                        folder, before);

@@ -56,7 +56,7 @@ class CompareCommand : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CompareCommand, ReportsHowFarTwoSurfacesAreApart) {
+TEST_F(CompareCommand, ReportsTheDistanceBetweenTwoSurfaces) {
   ASSERT_TRUE(io::write_surface(folder_ / "a.stl", test::make_icosphere(52.0, 4)));
   ASSERT_TRUE(io::write_surface(folder_ / "b.ply", test::make_icosphere(50.0, 4)));
   ASSERT_TRUE(io::write_surface(folder_ / "before.vtp", test::make_icosphere(47.0, 4)));
@@ -121,7 +121,7 @@ struct Head {
   static double depth_in_shell_mm(const Vec3& p) {
     return std::min(-beyond_mm(p, 51.0), beyond_mm(p, 40.0));
   }
-  /// HU; a voxel on a border has a share of both sides, as in a scanner.
+  /// HU; a voxel on a border is a mixture of both sides, as in a scanner.
   [[nodiscard]] double hu(const Vec3& p_L, double voxel_mm) const {
     const auto fraction = [&](double depth_mm) {
       return std::clamp(0.5 + depth_mm / voxel_mm, 0.0, 1.0);
@@ -165,7 +165,7 @@ RigidTransform registered(const json& movement) {
   return X_LB;
 }
 
-/// The surgeon did not quite what was planned, and the patient lay otherwise in the scanner.
+/// The achieved movement differs from the plan, and so does the position in the scanner.
 TEST_F(CompareCommand, FindsTheMovementThatWasAchieved) {
   ASSERT_TRUE(
       io::write_volume(folder_ / "before.nrrd", Head{}.scan(128, 1.5, RigidTransform::Identity())));
@@ -230,7 +230,7 @@ TEST_F(CompareCommand, FindsTheMovementOfEachOfSeveralSegments) {
     EXPECT_LT(degrees_from_radians(geometry::rotation_vector(error.linear()).norm()), 0.3);
   }
 
-  // A folder whose files are of different plans is no prediction.
+  // A folder whose files are of different plans is not a prediction.
   json plan = json::parse(io::read_text(folder_ / "prediction/plan.json", 1 << 20).value());
   plan["segments"].erase(1);
   ASSERT_TRUE(io::write_text(folder_ / "prediction/plan.json", plan.dump()));

@@ -124,7 +124,7 @@ TEST_P(Phantom, EveryTissueIsFoundWhereItTrulyIs) {
 INSTANTIATE_TEST_SUITE_P(Variants, Phantom,
                          ::testing::Values("plain", "shuffled", "feet-first", "tilted", "oblique"));
 
-TEST(PhantomCommand, ImportReportsHowTheSlicesLay) {
+TEST(PhantomCommand, ImportReportsTheOrientationOfTheSlices) {
   const auto tilted = head("tilted").import_json["geometry"]["slices"];
   EXPECT_NEAR(tilted["tilt_deg"].get<double>(), 15.0, 1e-3);
   EXPECT_TRUE(tilted["resampled"]);

@@ -71,7 +71,7 @@ TEST_F(PlanCommand, ADeprecatedKeyIsReadWithOneWarning) {
   EXPECT_EQ(result()["segments"], with_new_key["segments"]);
 }
 
-TEST_F(PlanCommand, AShiftAlongTheCutCanBeDone) {
+TEST_F(PlanCommand, AMovementAlongTheCutIsFeasible) {
   const auto run = check(plan());
   ASSERT_EQ(run.exit_code, 0) << run.error << run.out;
   const json found = result();
@@ -91,7 +91,7 @@ TEST_F(PlanCommand, AShiftAlongTheCutCanBeDone) {
   EXPECT_NEAR(geometry::bounding_box(moved).max().z(), 13.0, 1e-5);
 }
 
-TEST_F(PlanCommand, LandmarksGoWithTheBoneTheyLieOn) {
+TEST_F(PlanCommand, LandmarksMoveWithTheirBone) {
   ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out/pictures"));
   const auto after = io::read_landmarks(folder_ / "out/landmarks_after.mrk.json").value();
@@ -101,8 +101,8 @@ TEST_F(PlanCommand, LandmarksGoWithTheBoneTheyLieOn) {
   EXPECT_LT((*plan::find_landmark(after, "PNS") - Vec3(0, -5, 13)).norm(), 1e-9);
 }
 
-/// Skin is for predictions, and what lies on no bone for nobody: neither is told as if it stayed.
-TEST_F(PlanCommand, WhatIsNotKnownAfterwardsIsNotReported) {
+/// Landmarks on the skin, or away from bone, are not reported as if they had not moved.
+TEST_F(PlanCommand, LandmarksUnknownAfterSurgeryAreNotReported) {
   const auto run = check(plan(), "--no-pictures");
   ASSERT_EQ(run.exit_code, 0);
   const auto after = io::read_landmarks(folder_ / "out/landmarks_after.csv").value();
@@ -212,14 +212,14 @@ TEST_F(PlanCommand, AResultNamesItsInputs) {
 }
 
 /// A run without pictures takes those of the last one away: they would be of another plan.
-TEST_F(PlanCommand, PicturesOfAnEarlierCheckGo) {
+TEST_F(PlanCommand, PicturesOfAnEarlierCheckAreRemoved) {
   ASSERT_EQ(check(plan()).exit_code, 0);
   ASSERT_TRUE(fs::exists(folder_ / "out/pictures/plan_cut_front.png"));
   ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out/pictures/plan_cut_front.png"));
 }
 
-TEST_F(PlanCommand, BoneInBoneIsFound) {
+TEST_F(PlanCommand, BoneOverlapIsFound) {
   json backwards = plan();
   backwards["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, 2, 0};
   const auto run = check(backwards, "--no-pictures");
@@ -267,7 +267,7 @@ TEST_F(PlanCommand, SegmentsAreCheckedAgainstEachOther) {
   EXPECT_NEAR(result()["segments"][0]["volume_ml"].get<double>(), 3.0, 1e-6);
 }
 
-TEST_F(PlanCommand, WhatFailsIsOneLineAndLeavesNothingOlder) {
+TEST_F(PlanCommand, AFailureIsOneLineAndLeavesNoOlderResults) {
   ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
   json missing = plan();
   missing["segments"][0]["osteotomy"]["planes"][0]["point_mm"] = {0, -50, 0};

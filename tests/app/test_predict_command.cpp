@@ -57,7 +57,7 @@ class PredictCommand : public testing::Test {
     EXPECT_TRUE(text) << file;
     return text ? json::parse(*text) : json();
   }
-  /// Of what two folders tell, but for how long it took, and of those files.
+  /// The contents of two result folders are equal, except run times.
   void expect_same_bytes(const fs::path& one, const fs::path& other,
                          std::initializer_list<const char*> files) {
     json first = read_json(one / "prediction.json"), second = read_json(other / "prediction.json");
@@ -181,7 +181,7 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
   EXPECT_FALSE(there_is("stopped/prediction.json"));
   const auto rest = predict("stopped", "--no-pictures");
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
-  EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
+  EXPECT_NE(rest.error.find("1 of 2 steps were computed by an earlier run"), std::string::npos)
       << rest.error;
   expect_same_bytes("whole", "stopped",
                     {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0002.vtu"});
@@ -207,7 +207,7 @@ void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0,
   ASSERT_TRUE(io::write_text(file, bytes));
 }
 
-TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted) {
+TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsReportedAndFingerprinted) {
   ASSERT_EQ(predict("by_rule", "--no-pictures").exit_code, 0);
   const json by_rule = read_json("by_rule/prediction.json");
   EXPECT_TRUE(by_rule["mesh"]["boundary"]["painted"].is_null());
@@ -227,10 +227,10 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
   const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
   StopAfterAStep stop;
   EXPECT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
-  paint(folder_ / "painted.seg.nrrd", "with segment");  // What was found is of no use now.
+  paint(folder_ / "painted.seg.nrrd", "with segment");  // The cached steps are not valid now.
   const auto run = predict("fixed", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_EQ(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  EXPECT_EQ(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
   EXPECT_NE(run.error.find("painted: fixed 0, free 0, with segment "), std::string::npos)
       << run.error;
   const json painted = read_json("fixed/prediction.json");
@@ -294,7 +294,7 @@ TEST_F(PredictCommand, LabeledMuscleIsARegionOfItsOwnMaterial) {
   ASSERT_TRUE(io::write_segmentation(folder_ / "painted.seg.nrrd", labels));
   const auto vain = predict("vain", "--no-pictures");
   ASSERT_EQ(vain.exit_code, 0) << vain.error;
-  EXPECT_NE(vain.error.find("warning: tissue.muscle changes nothing"), std::string::npos)
+  EXPECT_NE(vain.error.find("warning: tissue.muscle has no effect"), std::string::npos)
       << vain.error;
 }
 
@@ -308,7 +308,7 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
   ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_NE(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  EXPECT_NE(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
   const json reported = read_json("out/prediction.json");
   EXPECT_TRUE(reported["converged"].get<bool>());
   EXPECT_GT(reported["mesh"]["boundary"]["painted"]["painted_slides"], 5);
@@ -318,8 +318,8 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
   }
 }
 
-/// Where tissue is attached, paint that lets go of it changes no other set than its own.
-TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
+/// Where tissue is bonded, paint that releases it changes no other set than its own.
+TEST_F(PredictCommand, StepsWithOtherPaintAreNotResumed) {
   json plan = small_plan();
   plan["boundary"] = {{"segment_interface", "bonded"}, {"labels", "painted.seg.nrrd"}};
   write_plan(plan);
@@ -330,16 +330,16 @@ TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   paint(folder_ / "painted.seg.nrrd", "free", 6.0);
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_EQ(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  EXPECT_EQ(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
 }
 
-TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {
+TEST_F(PredictCommand, BoneOverlapAlongThePathIsReported) {
   json plan = small_plan();
   plan["segments"][0]["path"] = {{"steps", 2}, {"keyframes", {{{"translation_mm", {0, 3, 0}}}}}};
   write_plan(plan);
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_NE(run.error.find("the path drives bone through bone: at 100.0 %"), std::string::npos)
+  EXPECT_NE(run.error.find("bones overlap along the path: at 100.0 %"), std::string::npos)
       << run.error;
   const json overlaps = read_json("out/prediction.json")["bone_overlap"];
   ASSERT_EQ(overlaps.size(), 2U);
@@ -347,7 +347,7 @@ TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {
   EXPECT_NEAR(overlaps[1]["max_depth_mm"].get<double>(), 3.0, 0.8);
   EXPECT_TRUE(there_is("out/bone_overlap.vtp"));
   const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
-  EXPECT_NE(report.find("drives bone through bone"), std::string::npos);
+  EXPECT_NE(report.find("bones overlap along the path"), std::string::npos);
 
   write_plan(small_plan());  // Forward it touches nothing.
   ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
@@ -401,7 +401,7 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   EXPECT_GT(right["nodes"], 0);
   EXPECT_EQ(all["nodes"], left["nodes"].get<int>() + right["nodes"].get<int>());
   EXPECT_EQ(all["max_penetration_increase_mm"], left["max_penetration_increase_mm"]);
-  EXPECT_EQ(result["bone_overlap"].size(), 2U * 3U);  // Each with the other and with what stays.
+  EXPECT_EQ(result["bone_overlap"].size(), 2U * 3U);  // Each with the other and with the remainder.
 
   for (const char* gone : {"out/bone_segment_moved.vtp", "out/bone_overlap.vtp"})
     EXPECT_FALSE(there_is(gone)) << gone;
@@ -431,7 +431,7 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   EXPECT_TRUE(there_is("out/bone_segment_moved.vtp"));
 }
 
-TEST_F(PredictCommand, ABoneInTwoPiecesThatMoveAlikeIsAsGoodAsWhole) {
+TEST_F(PredictCommand, ASegmentInTwoPiecesThatMoveTogetherEqualsOnePiece) {
   ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
   write_plan(test::two_piece_plan({0, -3, 0}, {0, -3, 0}));
   const auto run = predict("two", "--no-pictures");
@@ -453,23 +453,23 @@ TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThr
   ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   const auto rest = predict("stopped", "--no-pictures", "--threads 1 ");
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
-  EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
+  EXPECT_NE(rest.error.find("1 of 2 steps were computed by an earlier run"), std::string::npos)
       << rest.error;
   expect_same_bytes("whole", "stopped",
                     {"predicted_skin.stl", "bone_segment_moved_left.vtp",
                      "bone_segment_moved_right.vtp", "paraview/step_0002.vtu"});
-  // Another way of one of them is another prediction.
+  // Another path of one segment is another prediction.
   write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2.5, 0}));
   const auto other = predict("stopped", "--no-pictures");
   ASSERT_EQ(other.exit_code, 0) << other.error;
-  EXPECT_EQ(other.error.find("found by an earlier run"), std::string::npos) << other.error;
+  EXPECT_EQ(other.error.find("computed by an earlier run"), std::string::npos) << other.error;
 }
 
-TEST_F(PredictCommand, SegmentsThatAreDrivenIntoEachOtherAreReported) {
+TEST_F(PredictCommand, OverlapOfSegmentsIsReported) {
   write_plan(test::two_piece_plan({-2, -2, 0}, {0, -2, 0}));
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_NE(run.error.find("at 100.0 % segment left and segment right share"), std::string::npos)
+  EXPECT_NE(run.error.find("at 100.0 % segment left and segment right overlap"), std::string::npos)
       << run.error;
   double deepest_mm = 0.0;
   const json overlaps = read_json("out/prediction.json")["bone_overlap"];

@@ -78,7 +78,7 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
     EXPECT_GT(step["min_volume_ratio"], 0.0);
     const json& contact = step["contact"];
     EXPECT_GT(contact["nodes"], 100);
-    // The force gives way as far as the bone pushes; the mesh cannot follow bone finer than itself.
+    // Penalty contact leaves some penetration, and the mesh does not resolve fine details of bone.
     const double pushed_mm = step["path_fraction"].get<double>() * kForward_mm;
     EXPECT_LT(contact["mean_penetration_increase_mm"], 0.05 * pushed_mm + 0.01 * kElement_mm);
     EXPECT_LT(contact["max_penetration_increase_mm"], 0.3 * pushed_mm + 0.05 * kElement_mm);

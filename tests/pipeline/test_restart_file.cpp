@@ -60,7 +60,7 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   EXPECT_EQ(io::read_text(path, 1 << 20).value(), io::read_text(again, 1 << 20).value());
 }
 
-TEST(RestartFile, OneThatIsCutOrDamagedIsRefused) {
+TEST(RestartFile, ATruncatedOrDamagedFileIsRejected) {
   const test::TemporaryFolder folder;
   const auto path = folder / "steps.restart";
   ASSERT_TRUE(write_restart(path, some_restart()));

@@ -54,7 +54,7 @@ TEST(StageCache, ADamagedFileIsRebuilt) {
   EXPECT_EQ(stage.made, 2);
 }
 
-/// Remembers what it was told.
+/// Records stages and notes.
 class RecordedProgress final : public Progress {
  public:
   void begin_stage(std::string_view name) override { stages += name; }
@@ -62,7 +62,7 @@ class RecordedProgress final : public Progress {
   std::string stages, notes;
 };
 
-TEST(StageCache, SaysWhetherItReadOrMade) {
+TEST(StageCache, ReportsWhetherItReadOrComputed) {
   const test::TemporaryFolder folder;
   TextStage stage{StageCache(folder / "cache")};
   RecordedProgress first, second;
@@ -72,7 +72,7 @@ TEST(StageCache, SaysWhetherItReadOrMade) {
   EXPECT_EQ(second.stages, "read text.txt from the cache");
 }
 
-TEST(StageCache, AResultThatCannotBeKeptServesAllTheSame) {
+TEST(StageCache, AResultThatCannotBeCachedIsReturned) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(io::write_text(folder / "cache", "a file in the way of the folder"));
   TextStage stage{StageCache(folder / "cache")};

@@ -24,8 +24,8 @@ using nlohmann::json;
 
 constexpr double kBand_mm = 3.0;
 
-/// A still box, and two balls that are moved, as cut_plan() would leave them.
-class LiveBonesOf : public testing::Test {
+/// A stationary box, and two balls that move, as files of cut_plan().
+class OverlapServiceOf : public testing::Test {
  protected:
   void SetUp() override {
     json bones = json::array();
@@ -52,7 +52,7 @@ class LiveBonesOf : public testing::Test {
   [[nodiscard]] Result<OverlapService> read() const {
     return OverlapService::read(folder_.path(), folder_.path());
   }
-  /// As `lefort plan check` looks.
+  /// As in `lefort plan check`.
   [[nodiscard]] contact::BoneOverlap overlap(std::size_t a, const RigidTransform& X_LA,
                                              std::size_t b, const RigidTransform& X_LB) const {
     const auto bone = [&](std::size_t k, const RigidTransform& pose) {
@@ -76,7 +76,7 @@ RigidTransform pose(const Vec3& shift_mm, double turn_rad) {
   return X;
 }
 
-TEST_F(LiveBonesOf, ReportsTheDepthsThatAPlanCheckFinds) {
+TEST_F(OverlapServiceOf, ReportsTheDepthsThatAPlanCheckFinds) {
   const OverlapService live = read().value();
   int deep = 0;
   for (const auto& [shift_mm, turn] : std::vector<std::pair<Vec3, double>>{{{0, 0, 0}, 0.0},
@@ -103,7 +103,7 @@ TEST_F(LiveBonesOf, ReportsTheDepthsThatAPlanCheckFinds) {
   EXPECT_GE(deep, 3);
 }
 
-TEST_F(LiveBonesOf, SegmentsMoveTogether) {
+TEST_F(OverlapServiceOf, MovesSegmentsTogether) {
   const OverlapService live = read().value();
   // Both go the same way: they stay apart.
   const RigidTransform away = pose({0.0, 0.0, 40.0}, 0.0);
@@ -113,13 +113,13 @@ TEST_F(LiveBonesOf, SegmentsMoveTogether) {
   EXPECT_EQ(depths.deepest_mm, 0.0);
 }
 
-TEST_F(LiveBonesOf, RefuseSegmentsThereAreNot) {
+TEST_F(OverlapServiceOf, RejectsUnknownSegments) {
   const OverlapService live = read().value();
   for (const char* name : {"c", "", "remainder"})
     EXPECT_FALSE(live.depths({{name, RigidTransform::Identity()}})) << name;
 }
 
-TEST_F(LiveBonesOf, RefuseADamagedDocumentAndPathsInIt) {
+TEST_F(OverlapServiceOf, RejectsADamagedDocumentAndPathsInIt) {
   for (const char* text :
        {"", "{}", "[]", R"({"bones":1})", R"({"bones":[1]})", R"({"bones":[{"name":"a"}]})",
         R"({"bones":[{"name":"a","surface":"../segment_a.vtp","field":"segment_a.field"}]})",

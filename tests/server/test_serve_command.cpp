@@ -122,7 +122,7 @@ TEST(ServeCommand, EndsIfInterruptedBeforeItListens) {
   }
 }
 
-TEST(ServeCommand, ASecondServerOnACaseIsRefusedInOneLine) {
+TEST(ServeCommand, ASecondServerOnACaseIsRejectedWithOneLine) {
   const test::TemporaryFolder folder;
   const Program first(folder / "case");
   ASSERT_GT(first.port, 0);
@@ -136,7 +136,7 @@ TEST(ServeCommand, ASecondServerOnACaseIsRefusedInOneLine) {
   EXPECT_EQ(port.message_lines(), 1) << port.error;
 }
 
-TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
+TEST(ServeCommand, AKilledPredictionResumesWithTheSameBytes) {
   const test::TemporaryFolder folder;
   const fs::path root = folder / "case";
   fs::create_directories(root);
@@ -167,11 +167,11 @@ TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
   const Program again(root);
   ASSERT_GT(again.port, 0);
   EXPECT_EQ(again.get("/jobs/" + std::to_string(id))["state"], "interrupted");
-  EXPECT_NE(again.get("/case")["stages"]["prediction"]["why"].get<std::string>().find("goes on"),
+  EXPECT_NE(again.get("/case")["stages"]["prediction"]["why"].get<std::string>().find("resumes"),
             std::string::npos);
   const json job = again.run(R"({"kind":"predict"})");
   ASSERT_EQ(job["state"], "done") << job;
-  EXPECT_NE(job["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  EXPECT_NE(job["lines"].dump().find("were computed by an earlier run"), std::string::npos);
   for (const char* file : {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0006.vtu"})
     EXPECT_EQ(io::read_text(root / "prediction" / file, 1 << 28).value(),
               io::read_text(folder / "whole" / file, 1 << 28).value())

@@ -1,5 +1,5 @@
 /// \file
-/// contract/openapi.json against the server: routes, fixtures, and what the server answers.
+/// Conformance of the server to contract/openapi.json: routes, fixtures, and responses.
 #include <lefort/server/api/api.h>
 #include <lefort/server/api/contract.h>
 
@@ -39,7 +39,7 @@ std::string schema_of(const fs::path& fixture) {
 
 std::string text_of(const fs::path& file) { return io::read_text(file, 1 << 20).value(); }
 
-/// Holds a reply against the schema that the contract has for it.
+/// Validates a response against its schema in the contract.
 void expect_by_contract(const std::string& method, const std::string& pattern,
                         const Response& reply) {
   SCOPED_TRACE(method + " " + pattern);
@@ -68,7 +68,7 @@ void expect_by_contract(const std::string& method, const std::string& pattern,
   EXPECT_TRUE(checked) << checked.error().message << "\n" << reply.text.substr(0, 2000);
 }
 
-TEST(ServerContract, EveryValidFixtureIsAcceptedAndEveryInvalidOneRefused) {
+TEST(ServerContract, EveryValidFixtureIsAcceptedAndEveryInvalidOneRejected) {
   EXPECT_GT(fixtures("valid").size(), 35U);
   EXPECT_GT(fixtures("invalid").size(), 30U);
   for (const fs::path& file : fixtures("valid")) {
@@ -104,7 +104,7 @@ TEST(ServerContract, TheServerHasTheContractsRoutesAndNoOthers) {
   EXPECT_EQ(promised, served);
 }
 
-TEST(ServerContract, TheSchemasRefuseWhatTheServerRefuses) {
+TEST(ServerContract, TheSchemasRejectWhatTheServerRejects) {
   test::CaseApi api;
   const std::vector<std::pair<std::string, std::pair<std::string, std::string>>> routes{
       {"JobRequest", {"POST", "/jobs"}},
@@ -127,7 +127,7 @@ TEST(ServerContract, TheSchemasRefuseWhatTheServerRefuses) {
   EXPECT_GT(sent, 25);
 }
 
-TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
+TEST(ServerContract, ResponsesOfAnEmptyCaseMatchTheContract) {
   test::CaseApi api;
   for (const Api::RouteName& route : Api::routes()) {
     if (route.method != "GET" || route.path == "/events") continue;
@@ -147,8 +147,8 @@ TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
   EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "missing");
 }
 
-/// The whole way of a case, each answer held against the contract.
-TEST(ServerContract, AWholeCaseAnswersByTheContract) {
+/// The whole workflow of a case; each response is validated against the contract.
+TEST(ServerContract, ResponsesOfAWholeCaseMatchTheContract) {
   test::CaseApi api;
   const auto call_api = [&](const std::string& method, const std::string& pattern,
                             const std::string& path, const std::string& body = "",
@@ -167,7 +167,7 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   };
   const json imported = api.import_volume(test::small_head());
   EXPECT_EQ(imported["state"], "done") << imported.dump(1);
-  EXPECT_EQ(imported.dump().find("DOE"), std::string::npos);  // What files are called is forgotten.
+  EXPECT_EQ(imported.dump().find("DOE"), std::string::npos);  // File names are not kept.
   call_api("GET", "/case", "/case");
   const json volume = json::parse(call_api("GET", "/volume", "/volume").text);
   EXPECT_EQ(volume["size"], json({36, 36, 36}));
@@ -343,7 +343,7 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
 }
 
-TEST(ServerContract, EventsFitTheContract) {
+TEST(ServerContract, EventsMatchTheContract) {
   test::CaseApi api;
   std::uint64_t heard = 0;
   EXPECT_EQ(api.import_volume(test::small_head())["state"], "done");

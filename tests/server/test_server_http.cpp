@@ -1,5 +1,5 @@
 /// \file
-/// The server against others: on 127.0.0.1 alone, bounded in count and time.
+/// Security of the server: loopback only, limited connections and times.
 #include <lefort/server/http/connection.h>
 #include <lefort/server/http/http_server.h>
 #include <lefort/server/http/page.h>
@@ -43,7 +43,7 @@ long descriptors() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
 }
 
-TEST(HttpServer, AnswersThePageWithoutTokenAndTheCaseWithIt) {
+TEST(HttpServer, ServesThePageWithoutTokenAndTheCaseWithIt) {
   const Served served;
   const std::string page = served.call_api("GET /", "", "", false);
   EXPECT_EQ(Served::status_of(page), 200);
@@ -59,7 +59,7 @@ TEST(HttpServer, AnswersThePageWithoutTokenAndTheCaseWithIt) {
   EXPECT_EQ(answer.find("Access-Control"), std::string::npos);
 }
 
-TEST(HttpServer, RefusesWhoHasNotTheToken) {
+TEST(HttpServer, RejectsRequestsWithoutTheToken) {
   Served served;
   std::string nearly = kToken;
   nearly.back() = '8';
@@ -81,7 +81,7 @@ TEST(HttpServer, RefusesWhoHasNotTheToken) {
               std::string::npos);
 }
 
-TEST(HttpServer, RefusesForeignOriginsAndHosts) {
+TEST(HttpServer, RejectsForeignOriginsAndHosts) {
   const Served served;
   for (const std::string& origin :
        {std::string("http://evil.example"), std::string("null"), std::string("http://127.0.0.1"),
@@ -140,7 +140,7 @@ TEST(HttpServer, NoPathLeavesTheCaseOrThePage) {
   }
 }
 
-TEST(HttpServer, RefusesBodiesWithoutOrBeyondTheirLength) {
+TEST(HttpServer, RejectsBodiesWithoutOrBeyondTheirLength) {
   Served served;
   const double before_mb = memory_mb();
   EXPECT_EQ(served.status("POST /api/v1/jobs", kJson + "Transfer-Encoding: chunked\r\n"), 411);
@@ -174,8 +174,8 @@ TEST(HttpServer, RefusesBodiesWithoutOrBeyondTheirLength) {
   EXPECT_LT(memory_mb() - before_mb, 100.0);
 }
 
-/// What follows a refused body is not taken for a request.
-TEST(HttpServer, SmugglesNoRequest) {
+/// Data after a rejected body are not read as a request.
+TEST(HttpServer, PreventsRequestSmuggling) {
   const Served served;
   const std::string inner = "DELETE /api/v1/jobs/1 HTTP/1.1\r\nHost: " + served.host() +
                             "\r\nX-Lefort-Token: " + kToken + "\r\n\r\n";
@@ -197,7 +197,7 @@ TEST(HttpServer, SmugglesNoRequest) {
   }
 }
 
-TEST(HttpServer, BoundsHeaders) {
+TEST(HttpServer, LimitsHeaders) {
   const Served served;
   const auto refused = [](int status) { return status == 0 || status >= 400; };
   EXPECT_TRUE(refused(served.status("GET /" + std::string(100'000, 'a'))));
@@ -218,7 +218,7 @@ TEST(HttpServer, BoundsHeaders) {
   EXPECT_EQ(served.status("GET /api/v1/case"), 200);
 }
 
-TEST(HttpServer, ServesOrRefusesAThousandConnections) {
+TEST(HttpServer, ServesOrRejectsAThousandConnections) {
   rlimit limit{};  // Both ends of each are this process's.
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
   limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 4096);
@@ -248,7 +248,7 @@ TEST(HttpServer, ServesOrRefusesAThousandConnections) {
   EXPECT_LE(descriptors(), descriptors_before + 2);
 }
 
-TEST(HttpServer, IsThereForOthersWhileSomeAreSlow) {
+TEST(HttpServer, ServesOthersWhileSomeAreSlow) {
   const Served served;
   std::vector<Socket> slow;
   for (int n = 0; n < 400; ++n) {  // Each begins a request and does not end it.
@@ -262,7 +262,7 @@ TEST(HttpServer, IsThereForOthersWhileSomeAreSlow) {
   EXPECT_LT(waited.count(), 5.0);
 }
 
-TEST(HttpServer, WhoBeginsToWaitIsNotTakenForOneWhoWaitsSinceLongAgo) {
+TEST(HttpServer, IdleTimeStartsWithEachRequest) {
   int ends[2];
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
   {
@@ -279,7 +279,7 @@ TEST(HttpServer, WhoBeginsToWaitIsNotTakenForOneWhoWaitsSinceLongAgo) {
   ::close(ends[1]);
 }
 
-TEST(HttpServer, EndsWhoIsSlow) {
+TEST(HttpServer, EvictsSlowConnections) {
   HttpLimits limits;
   limits.header_time = milliseconds(300);
   limits.idle_time = milliseconds(300);
@@ -298,14 +298,14 @@ TEST(HttpServer, EndsWhoIsSlow) {
   drops.send(served.text("POST /api/v1/jobs", kJson + "Content-Length: 100\r\n"));
   for (int n = 0; n < 100 && drops.send(" "); ++n) std::this_thread::sleep_for(milliseconds(20));
   EXPECT_NE(Served::status_of(drops.receive(5000)), 202);
-  // One who says nothing.
+  // A silent client.
   const Socket mute(served.port);
   EXPECT_EQ(mute.receive(5000), "");
   EXPECT_LT((steady_clock::now() - begin) / milliseconds(1), 15000);
   EXPECT_EQ(served.status("GET /api/v1/case"), 200);
 }
 
-TEST(HttpServer, ListenersMayVanishAndAreBounded) {
+TEST(HttpServer, ListenersCanDisconnectAndAreLimited) {
   HttpLimits limits;
   limits.listeners = 4;
   Served served(limits);
@@ -319,13 +319,13 @@ TEST(HttpServer, ListenersMayVanishAndAreBounded) {
       EXPECT_NE(pages.back().receive(5000, "welcome").find("text/event-stream"), std::string::npos);
     }
     EXPECT_EQ(Served::status_of(served.call_api("GET /api/v1/events")), 429);
-    pages.clear();  // They vanish without a word.
+    pages.clear();  // They disconnect without notice.
     std::this_thread::sleep_for(milliseconds(1200));
   }
   EXPECT_LE(descriptors(), descriptors_before + 2);
 }
 
-TEST(HttpServer, ReportsAPageWhatItMissed) {
+TEST(HttpServer, SendsMissedEvents) {
   Served served;
   served.own.import_volume(test::small_head());
   const std::string start = served.own.api.events().start();
@@ -339,7 +339,7 @@ TEST(HttpServer, ReportsAPageWhatItMissed) {
   EXPECT_NE(stranger.receive(5000, "event: reset").find("event: reset"), std::string::npos);
 }
 
-TEST(HttpServer, StopsWhilePagesListenAndDawdle) {
+TEST(HttpServer, StopsWhilePagesListenAndAreSlow) {
   const auto begin = steady_clock::now();
   std::vector<Socket> sockets;
   {
@@ -354,7 +354,7 @@ TEST(HttpServer, StopsWhilePagesListenAndDawdle) {
   EXPECT_LT((steady_clock::now() - begin) / milliseconds(1), 5000);
 }
 
-TEST(HttpServer, LoopbackIsKnown) {
+TEST(HttpServer, RecognizesLoopbackAddresses) {
   for (const char* host : {"127.0.0.1", "127.8.9.10", "localhost", "::1"})
     EXPECT_TRUE(is_loopback(host)) << host;
   for (const char* host : {"0.0.0.0", "192.168.1.1", "::", "example.org", "127.evil.example", ""})

@@ -36,7 +36,7 @@ JobRecord wait_for(const Jobs& jobs, int id) {
   return *jobs.find(id);
 }
 
-/// Runs until it is told to stop.
+/// Runs until it is stopped.
 Result<JobOutcome> run_until_stopped(const JobRecord&, Progress& progress) {
   progress.begin_stage("wait");
   while (!progress.stop_requested()) std::this_thread::sleep_for(milliseconds(2));
@@ -55,7 +55,7 @@ TEST(EventLog, ReportsWhatWasMissed) {
   EXPECT_EQ(log.wait(*heard, milliseconds(0)), "");
 }
 
-TEST(EventLog, KnowsNoIdOfAnotherStartOrOfNone) {
+TEST(EventLog, RejectsIdsOfAnotherStart) {
   EventLog log("0123abcd");
   log.publish("job", {});
   for (const char* id : {"", "0123abce.1", "0123abcd", "0123abcd.", "0123abcd.2", "0123abcd.-1",
@@ -65,7 +65,7 @@ TEST(EventLog, KnowsNoIdOfAnotherStartOrOfNone) {
   EXPECT_TRUE(log.find("0123abcd.1"));
 }
 
-TEST(EventLog, ForgetsTheOldestAndSaysSo) {
+TEST(EventLog, RemovesTheOldestAndReportsIt) {
   EventLog log("0123abcd");
   std::uint64_t heard = 0;
   for (int k = 0; k < 5000; ++k) log.publish("job", {{"k", k}});
@@ -100,7 +100,7 @@ TEST(Jobs, RunOneAfterTheOther) {
   EXPECT_EQ(maximum, 1);
 }
 
-TEST(Jobs, AreCancelledWhileTheyWaitAndWhileTheyRun) {
+TEST(Jobs, CanBeCancelledWhileWaitingAndWhileRunning) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   Jobs jobs(folder.path(), log, run_until_stopped, nothing);
@@ -114,7 +114,7 @@ TEST(Jobs, AreCancelledWhileTheyWaitAndWhileTheyRun) {
   EXPECT_FALSE(jobs.cancel(3));
 }
 
-TEST(Jobs, ABugInOneEndsNeitherTheWorkerNorTheServer) {
+TEST(Jobs, AnExceptionInAJobStopsNeitherWorkerNorServer) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   Jobs jobs(
@@ -131,7 +131,7 @@ TEST(Jobs, ABugInOneEndsNeitherTheWorkerNorTheServer) {
   EXPECT_EQ(jobs.find(1)->message, "an internal error");
 }
 
-TEST(Jobs, ABugInWhoIsToldEndsNotTheWorker) {
+TEST(Jobs, AnExceptionInTheCallbackDoesNotStopTheWorker) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   const auto here = std::this_thread::get_id();
@@ -146,7 +146,7 @@ TEST(Jobs, ABugInWhoIsToldEndsNotTheWorker) {
   EXPECT_EQ(wait_for(jobs, 2).state, "done");
 }
 
-TEST(Jobs, ThatAServerLeftAreReported) {
+TEST(Jobs, OfAnEarlierServerAreReported) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   {
@@ -164,7 +164,7 @@ TEST(Jobs, ThatAServerLeftAreReported) {
   EXPECT_EQ(jobs.submit("next", json::object())->id, 3);
 }
 
-TEST(Jobs, TooManyAreRefused) {
+TEST(Jobs, AreRejectedIfTheQueueIsFull) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   Jobs jobs(folder.path(), log, run_until_stopped, nothing);
@@ -174,7 +174,7 @@ TEST(Jobs, TooManyAreRefused) {
   EXPECT_LE(taken, 9);
 }
 
-TEST(CaseFolder, HasOneServerAtATime) {
+TEST(CaseFolder, IsLockedByOneServer) {
   const test::TemporaryFolder folder;
   auto first = CaseFolder::open(folder / "case");
   ASSERT_TRUE(first);
@@ -183,7 +183,7 @@ TEST(CaseFolder, HasOneServerAtATime) {
   EXPECT_NE(second.error().message.find("in use by another lefort serve"), std::string::npos);
 }
 
-TEST(CaseFolder, IsItsOwnersAloneAndEndsWithItsUploads) {
+TEST(CaseFolder, IsPrivateAndRemovesUploads) {
   const test::TemporaryFolder folder;
   const auto mode = [&](const char* name) { return fs::status(folder / name).permissions(); };
   {
@@ -196,7 +196,7 @@ TEST(CaseFolder, IsItsOwnersAloneAndEndsWithItsUploads) {
   EXPECT_FALSE(fs::exists(folder / "case/uploads"));
 }
 
-TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
+TEST(CaseFolder, DetectsAReplacedFileOfTheSameSizeAndTime) {
   const test::TemporaryFolder folder;
   const auto opened = CaseFolder::open(folder / "case");
   ASSERT_TRUE(opened);
@@ -212,7 +212,7 @@ TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
   EXPECT_FALSE(opened->fingerprint(folder.path()));
 }
 
-TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
+TEST(Uploads, ABodyThatThrowsReleasesItsReservation) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1000, .files = 3, .uploads = 2});
   const std::string id = json::parse(api.call_api("POST", "/uploads").text)["id"];
   Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", std::string(1000, 'x'));
@@ -225,7 +225,7 @@ TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
   EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads"), {}), 1);
 }
 
-TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
+TEST(Uploads, AreStoredUnderGeneratedNamesAndWithinLimits) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1500, .files = 3, .uploads = 2});
   const auto begin = [&] {
     return json::parse(api.call_api("POST", "/uploads").text)["id"].get<std::string>();
@@ -273,7 +273,7 @@ TEST(EventBatcher, ReportsAllInOrderAtMostTenTimesASecond) {
   EXPECT_LE(batches.size(), 20U);
   EXPECT_GE(batches.size(), 19U);
   iterates.flush(start + milliseconds(2000));
-  iterates.flush(start + milliseconds(2001));  // Nothing is left to tell.
+  iterates.flush(start + milliseconds(2001));  // Nothing is waiting.
   json all = json::array();
   for (const json& batch : batches) {
     EXPECT_FALSE(batch.empty());
@@ -286,7 +286,7 @@ TEST(EventBatcher, ReportsAllInOrderAtMostTenTimesASecond) {
 }
 
 /// Malformed scans, and headers that name files elsewhere.
-TEST(Uploads, OfWhatIsNoScanGiveOneClearLine) {
+TEST(Uploads, OtherThanScansGiveOneClearLine) {
   test::CaseApi api;
   std::ofstream(api.folder / "secret.raw") << std::string(8, 'S');
   const std::string nrrd =
@@ -409,7 +409,7 @@ TEST(CaseApi, OnePageDoesNotOverwriteWhatAnotherWrote) {
   EXPECT_EQ(api.call_api("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
 }
 
-TEST(CaseApi, LabelsOfAScanThatWasReplacedMeanwhileAreRefused) {
+TEST(CaseApi, LabelsOfAReplacedScanAreRejected) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   image::CtVolume other = test::small_head();
@@ -458,7 +458,7 @@ TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
   EXPECT_EQ(api.call_api("DELETE", "/plan").status, 405);
 }
 
-TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
+TEST(CaseApi, AFailedJobMakesNoOlderResultFresh) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   json plan = test::small_plan();
@@ -480,8 +480,8 @@ TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
   EXPECT_FALSE(fs::exists(preview / "face.preview"));
 }
 
-/// Whether events tell the iterations that the document holds, each before its step's end, and as
-/// the contract has them.
+/// Whether events report the iterations of the document, each before the end of its step, and match
+/// the contract.
 void expect_iterates_reported(const std::string& events, const json& document) {
   std::vector<double> reported, held;
   std::size_t newton = 0, steps = 0;
@@ -511,7 +511,7 @@ void expect_iterates_reported(const std::string& events, const json& document) {
   EXPECT_EQ(steps, document["steps"].size());
 }
 
-/// What is told to a page that comes late is what the events have told, numbered alike.
+/// The history for a page that connects late has the content and the numbers of the events.
 void expect_history(const std::string& events, const json& history) {
   EXPECT_EQ(history["from"], 0);
   json iterates = json::array(), steps = json::array();
@@ -530,7 +530,7 @@ void expect_history(const std::string& events, const json& history) {
   EXPECT_EQ(history["steps"], steps);
 }
 
-TEST(SolveHistory, KeepsTheNewestAndReportsHowManyItForgot) {
+TEST(SolveHistory, KeepsTheNewestAndCountsTheRemovedOnes) {
   SolveHistory history;
   EXPECT_FALSE(history.of(1));
   history.begin(1);
@@ -575,7 +575,7 @@ int expect_the_command_lines_bytes(const fs::path& root) {
     if (!entry.is_regular_file() || *name.begin() == "cache") continue;
     std::string a = io::read_text(entry.path(), 1 << 30).value();
     std::string b = io::read_text(root / "prediction" / name, 1 << 30).value();
-    if (name == "report.html") continue;  // Tells how long it took, as prediction.json does.
+    if (name == "report.html") continue;  // It has run times, as prediction.json.
     if (name == "prediction.json") {
       json one = json::parse(a), two = json::parse(b);
       one.erase("timing");
@@ -588,7 +588,7 @@ int expect_the_command_lines_bytes(const fs::path& root) {
   return compared;
 }
 
-/// The planner is one more face of the command line's folder.
+/// The planner and the command line use the same folder.
 TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
@@ -646,7 +646,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   ASSERT_EQ(paint(api, 1).status, 204);
   stages = api.get("/case")["stages"];
   EXPECT_EQ(stages["prediction"]["state"], "stale");
-  EXPECT_EQ(stages["prediction"]["why"], "boundary.seg.nrrd was changed since");
+  EXPECT_EQ(stages["prediction"]["why"], "boundary.seg.nrrd changed after this was computed");
   EXPECT_EQ(stages["preview"]["state"], "stale");
   EXPECT_EQ(stages["cut"]["state"], "fresh");
   ASSERT_EQ(paint(api, kWithSegment).status, 204);  // As it was: all that was made fits again.
@@ -655,7 +655,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
 }
 
 /// Which of the two it has read is not known, so it is of neither.
-TEST(CaseApi, WhatIsPaintedWhileAJobReadsItMakesItStale) {
+TEST(CaseApi, PaintingDuringAJobMakesItsResultStale) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
@@ -676,7 +676,7 @@ TEST(CaseApi, WhatIsPaintedWhileAJobReadsItMakesItStale) {
   }
 }
 
-TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
+TEST(CaseApi, PaintIsReplacedOnlyWithItsVersion) {
   test::CaseApi api;
   const auto send = [&](const std::string& method, const std::string& path, std::string body,
                         const std::string& box = "", const std::string& if_match = "*") {
@@ -686,7 +686,7 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
     if (!box.empty()) request.query["box"] = box;
     return api.api.handle(request);
   };
-  EXPECT_EQ(paint(api, 1).status, 404);  // There is no scan.
+  EXPECT_EQ(paint(api, 1).status, 404);  // The case has no scan.
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   EXPECT_EQ(api.call_api("GET", "/boundary/data").status, 404);
   ASSERT_EQ(paint(api, 1).status, 204);
@@ -740,7 +740,7 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
 }
 
 /// Stopped by its page and started again, it ends with the same bytes.
-TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
+TEST(CaseApi, ACancelledPredictionResumes) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
@@ -761,7 +761,7 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
   }
   const json again = api.run({{"kind", "predict"}});
   ASSERT_EQ(again["state"], "done");
-  EXPECT_NE(again["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  EXPECT_NE(again["lines"].dump().find("were computed by an earlier run"), std::string::npos);
   // Its history begins with what the earlier run found, each step once.
   const json history = api.get("/jobs/" + std::to_string(again["id"].get<int>()) + "/iterates");
   ASSERT_EQ(history["steps"].size(), 2U);

@@ -17,7 +17,7 @@ int run_program(int argc, char** argv) {
   cli.set_version_flag("--version", kVersion);
   cli.fallthrough();
   cli.require_subcommand(1);
-  cli.add_option("--threads", context.threads, "Threads; 0 takes all the machine has")
+  cli.add_option("--threads", context.threads, "Threads; 0: all of the machine")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   cli.add_flag("--json", context.json, "Print the summary as JSON");

@@ -1,5 +1,5 @@
 /// \file
-/// How far two faces are apart.
+/// Distance between two faces.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,15 +13,18 @@ namespace lefort::pipeline {
 
 struct CompareJob {
   std::filesystem::path face;                      ///< A surface, or the folder of a prediction.
-  std::optional<std::filesystem::path> other;      ///< Likewise: what it is held against.
-  std::optional<std::filesystem::path> after_ct;   ///< Instead: a scan after surgery.
+  std::optional<std::filesystem::path> other;      ///< The other face; as `face`.
+  std::optional<std::filesystem::path> after_ct;   ///< Instead of `other`: a scan after surgery.
   std::optional<std::filesystem::path> before;     ///< The skin before surgery, for the baseline.
-  std::optional<std::filesystem::path> landmarks;  ///< Before surgery: they tell the regions.
+  std::optional<std::filesystem::path> landmarks;  ///< Before surgery; they define the regions.
   std::filesystem::path output;                    ///< A folder; made if missing.
   bool pictures = true;
 };
-/// Two faces -> how far they are apart, by region; with a scan after surgery also how each segment
-/// was moved.
+/// Two faces -> the distance between them, by region; with a scan after surgery also the movement
+/// of each segment.
+///
+/// \returns the summary; kInvalidArgument if inputs are missing or have no common region; or what
+///   reading and find_surgery() return.
 [[nodiscard]] Result<Summary> compare_faces(const CompareJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

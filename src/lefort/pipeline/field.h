@@ -34,7 +34,7 @@ struct ExportFieldJob {
   std::filesystem::path field;
   std::filesystem::path output;   ///< .vdb or .nrrd.
   std::vector<double> region_mm;  ///< Empty, or from and to along x, y and z.
-  int every = 1;                  ///< Each n-th sample along each axis.
+  int every = 1;                  ///< Every n-th sample along each axis.
 };
 /// Field -> the same in a format that other programs read.
 [[nodiscard]] Result<Summary> export_field(const ExportFieldJob& job, Progress& progress);
@@ -47,13 +47,13 @@ struct SliceFieldJob {
   int width_px = 1200;                        ///< Pixels across the plane.
   std::optional<int> every;                   ///< Instead: pixels of so many cells of the field.
   std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
-  std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn, too.
+  std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn.
   bool smooth = false;                        ///< The differentiable reconstruction.
 };
 /// Field -> picture of a plane through it.
 [[nodiscard]] Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress);
 
-/// Field -> what it is, how large, and whether the file is whole.
+/// Field -> its kind, size, and checksum.
 [[nodiscard]] Result<Summary> describe_field(const std::filesystem::path& field,
                                              Progress& progress);
 

@@ -14,7 +14,7 @@ namespace lefort::pipeline {
 
 struct LandmarksJob {
   std::filesystem::path before;                 ///< .mrk.json or .csv.
-  std::optional<std::filesystem::path> after;   ///< Likewise.
+  std::optional<std::filesystem::path> after;   ///< As `before`.
   std::optional<std::filesystem::path> output;  ///< .csv.
   std::optional<std::filesystem::path> save;    ///< .mrk.json or .csv.
 };
@@ -32,29 +32,29 @@ struct CheckPlanJob {
 };
 struct PlanCheckSummary {
   Summary summary;
-  bool has_findings = false;  ///< Something was found against the plan.
+  bool has_findings = false;  ///< The plan is not feasible.
 };
-/// Plan -> cut bones where they end, and what keeps them from going there.
+/// Plan -> segments at the end of their paths, and findings that make the plan infeasible.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct CutJob {
   std::filesystem::path plan;
   std::filesystem::path ct;
-  std::filesystem::path cache;   ///< A folder that keeps what stages share.
+  std::filesystem::path cache;   ///< Folder of cached stages.
   std::filesystem::path output;  ///< A folder; made if missing.
 };
-/// Plan -> its bones where they are before they move, and their distance fields: what a page needs
-/// to move them. cut.json, which is written last, names the files.
+/// Plan -> its bones before they move, with distance fields, so that a page can move them.
+/// cut.json, which is written last, names the files.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
 
 struct PreviewJob {
   std::filesystem::path plan;
   std::filesystem::path ct;
   std::filesystem::path cache;   ///< As of CutJob.
-  std::filesystem::path skin;    ///< The surface whose displacement is wanted: segment_scan()'s.
+  std::filesystem::path skin;    ///< Skin of segment_scan(), to be displaced.
   std::filesystem::path output;  ///< A folder; made if missing.
 };
-/// Plan -> how the face answers its segment's motion to first order; preview.json is written last.
+/// Plan -> linear response of the face to the segments' motion. preview.json is written last.
 [[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -18,12 +18,15 @@ struct PredictJob {
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
   std::filesystem::path output;             ///< A folder; made if missing.
   bool pictures = true;
-  /// Told each step of the path as it is found; may be empty.
+  /// Called after each converged step; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
-  /// Likewise each of Newton's iterations.
+  /// Called after each Newton iteration; may be empty.
   std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
-/// Plan -> predicted face, with everything that documents it.
+/// Plan -> predicted face, report and result files.
+///
+/// \returns the summary; kPlanInvalid or what reading, prepare_case() and predict_face() return; or
+///   the failure of a path that did not converge.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

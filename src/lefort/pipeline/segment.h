@@ -1,5 +1,5 @@
 /// \file
-/// From a scan to its tissues and their surfaces.
+/// Segmentation of a scan, and the surfaces of bone and skin.
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
@@ -19,7 +19,7 @@ struct SegmentJob {
   anatomy::SegmentationOptions options;
   mesh::SurfaceFinish finish;
   bool auto_thresholds = false;  ///< From the histogram, instead of those of the options.
-  std::optional<std::filesystem::path> labels;  ///< Surfaces of these, instead of segmenting.
+  std::optional<std::filesystem::path> labels;  ///< Used instead of a segmentation.
 };
 /// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);

@@ -1,5 +1,5 @@
 /// \file
-/// From a deck to its solution.
+/// Solution of a deck.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,10 +11,10 @@
 namespace lefort::pipeline {
 
 struct SolveJob {
-  bool quiet = false;  ///< Do not tell each increment.
+  bool quiet = false;  ///< Do not report each increment.
   std::filesystem::path deck;
   std::filesystem::path output;  ///< A folder; made if missing.
-  bool check_only = false;       ///< Read and check, no more.
+  bool check_only = false;       ///< Only read and check the deck.
 };
 /// Deck and mesh -> displacement, stress and reactions over time.
 [[nodiscard]] Result<Summary> solve_deck(const SolveJob& job, Progress& progress);

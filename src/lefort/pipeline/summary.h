@@ -1,5 +1,5 @@
 /// \file
-/// What every stage returns.
+/// Result of a stage.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace lefort::pipeline {
 
-/// What a stage says when it is done.
+/// Summary of a completed stage.
 struct Summary {
   std::string text;     ///< For people: a few lines.
   nlohmann::json json;  ///< For programs.

@@ -1,5 +1,5 @@
 /// \file
-/// What the solver is verified by, and how it converges.
+/// Verification of the solver, and convergence of contact methods.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,11 +18,11 @@ struct ConvergenceJob {
   std::optional<std::filesystem::path> ct;  ///< Instead of the plans'.
   std::filesystem::path output;             ///< A folder; made if missing.
   std::vector<std::string> methods;         ///< Names; empty: all.
-  std::optional<double> element_size_mm;    ///< Instead of the plans'; far elements likewise.
-  std::vector<int> steps;                   ///< Each plan with each of them; empty: its own.
-  bool synthetic = true;                    ///< Also the cases that need no scan.
+  std::optional<double> element_size_mm;    ///< Instead of the plans'; scales far elements, too.
+  std::vector<int> steps;  ///< Each plan with each number of steps; empty: its own.
+  bool synthetic = true;   ///< Also the cases that need no scan.
 };
-/// Plans -> how Newton's residual falls by each way of detecting contact (the paper's Figure 5).
+/// Plans -> convergence of the Newton residual with each detection method (the paper's Figure 5).
 [[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
 
 struct VerifyJob {
@@ -34,7 +34,7 @@ struct VerifySummary {
   Summary summary;
   bool passed = false;  ///< Every check.
 };
-/// Runs the solver's verification suite; writes verification.md and its plots.
+/// Runs the verification suite of the solver, and writes verification.md and its plots.
 [[nodiscard]] Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

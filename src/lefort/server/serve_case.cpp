@@ -22,11 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kTokenDigits = 64;  // 256 bits.
-constexpr rlim_t kDescriptors = 4096;     // Connections that wait, and the case's files.
+constexpr rlim_t kDescriptors = 4096;     // For waiting connections and the case's files.
 constexpr auto kStopPollInterval = std::chrono::milliseconds(100);
 constexpr auto kMoment = std::chrono::milliseconds(1);
 
-/// As many as are allowed, up to what we want.
+/// Raises the limit of open files, up to kDescriptors.
 void allow_descriptors() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kDescriptors) return;
@@ -34,7 +34,8 @@ void allow_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// By a file that only this user can read: others could see an address among a program's arguments.
+/// Opens the page through a file that only this user can read: program arguments, which would show
+/// the token, are visible to other users.
 void open_browser(const std::string& address, const fs::path& file, Progress& progress) {
   const std::string page = fmt::format(
       "<!doctype html><meta charset=\"utf-8\"><title>lefort</title>"
@@ -48,7 +49,7 @@ void open_browser(const std::string& address, const fs::path& file, Progress& pr
   pid_t child = 0;
   if (!written ||
       ::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0)
-    progress.note("no browser could be opened (xdg-open): open the address yourself");
+    progress.note("the browser could not be started (xdg-open): open the address yourself");
 }
 
 }  // namespace
@@ -68,10 +69,10 @@ Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress) {
   const std::string address =
       fmt::format("http://{}:{}/#token={}", server::in_address(job.host), port, token);
   if (!is_own)
-    progress.note(fmt::format(
-        "warning: {} is not this machine's own address: others in the network can reach this "
-        "server, and what is sent is not encrypted",
-        job.host));
+    progress.note(
+        fmt::format("warning: {} is not a loopback address: others in the network can reach this "
+                    "server, and the connection is not encrypted",
+                    job.host));
   fmt::print("{}\n", address);
   std::fflush(stdout);
   const fs::path opener = api.folder() / "open.html";
@@ -91,7 +92,7 @@ Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress) {
   api.stop();
   if (!is_requested)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("nothing more can be heard at port {} of {}", port, job.host));
+                fmt::format("the server stopped listening at port {} of {}", port, job.host));
   pipeline::Summary summary;
   summary.text = "ended";
   summary.json = {{"ended", true}};

@@ -1,5 +1,5 @@
 /// \file
-/// The planner's server from start to end.
+/// The planner's server.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,12 +16,13 @@ struct ServeJob {
   std::string host = "127.0.0.1";
   int port = 8765;
   bool open = false;
-  bool demo = false;  ///< Begins with the example, unless the case has a scan.
-  /// Where Debian's invesalius-examples puts it.
+  bool demo = false;  ///< Starts with the example, unless the case has a scan.
+  /// File of Debian's invesalius-examples.
   std::filesystem::path example = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 };
 
-/// Serves until `progress` asks to stop. Prints the page's address on stdout when it can be opened.
+/// Serves until `progress` requests to stop. Prints the page's address on stdout once it can be
+/// opened.
 [[nodiscard]] Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress);
 
 }  // namespace lefort::server

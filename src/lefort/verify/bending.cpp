@@ -55,7 +55,7 @@ Result<double> deflection(mesh::ElementShape shape, int cells, Progress& progres
   return work / kForce_n;
 }
 
-constexpr std::array kColumns{1, 2, 4, 8};
+constexpr std::array kBeamColumns{1, 2, 4, 8};
 
 /// Stiffness over the beam's, coarse to fine.
 struct BeamStiffness {
@@ -75,7 +75,7 @@ BeamStiffness bend_all(mesh::ElementShape shape, Extent extent, Table& table,
   std::vector<std::string> row{text_of(shape)};
   report::PlotLine line{.name = text_of(shape)};
   BeamStiffness stiffness;
-  for (const int n : kColumns) {
+  for (const int n : kBeamColumns) {
     const bool is_single = n == 1 && full && degree(shape) == 2;
     if (n == (is_fine ? 1 : 8) && !is_single) {
       row.emplace_back("");
@@ -142,7 +142,7 @@ Section verify_bending(Extent extent, Progress& progress) {
   Section section = bending_section();
   Table table{.title = "Deflection of the end over the beam's, by cells over the height",
               .header = {"shape"}};
-  for (const int n : kColumns) table.header.push_back(fmt::format("{}", n));
+  for (const int n : kBeamColumns) table.header.push_back(fmt::format("{}", n));
   report::LinePlot plot{.title = "Cantilever: deflection over the beam's",
                         .x_label = "refinement: log2 of the cells over the height",
                         .y_label = "deflection over beam's"};

@@ -16,7 +16,7 @@ namespace {
 void add_table1(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::Table1Options>();
   CLI::App* const command = bench.add_subcommand(
-      "table1", "Rerun the paper's Table 1: distance fields of a skull, beside today's peers");
+      "table1", "Reproduce the paper's Table 1: distance fields of a skull, with other libraries");
   command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
   command
       ->add_option("-o,--output", options->output,
@@ -25,7 +25,7 @@ void add_table1(CLI::App& bench, CommandContext& context) {
   command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
       ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
       ->capture_default_str();
-  command->add_option("--method", options->methods, "Which to run")
+  command->add_option("--method", options->methods, "Methods to run")
       ->check(
           CLI::IsMember({"bricks", "hybrid", "adaptive", "uniform", "openvdb", "embree", "cgal"}))
       ->capture_default_str();
@@ -45,7 +45,8 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::ScalingOptions>();
   const auto without_peer = std::make_shared<bool>(false);
   CLI::App* const command = bench.add_subcommand(
-      "scaling", "How distance fields of a skull grow with band, resolution and triangles");
+      "scaling",
+      "Measure how distance fields of a skull scale with band, resolution and triangles");
   command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
   command
       ->add_option("-o,--output", options->output,
@@ -80,8 +81,8 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
   const auto job = std::make_shared<pipeline::ConvergenceJob>();
   const auto no_synthetic = std::make_shared<bool>(false);
   CLI::App* const command = bench.add_subcommand(
-      "convergence", "Rerun the paper's Figure 5: contact found by fields and by a tree of boxes");
-  command->add_option("plans", job->plans, "Plan files; none: the synthetic cases alone");
+      "convergence", "Reproduce the paper's Figure 5: contact detection by fields and by a BVH");
+  command->add_option("plans", job->plans, "Plan files; none: only the synthetic cases");
   command->add_option("--ct", job->ct, "The scan, instead of the ones the plans name");
   command
       ->add_option("-o,--output", job->output,
@@ -99,11 +100,11 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
                    "Numbers of steps to run each plan with, instead of its own; reports the "
                    "distance between the faces")
       ->check(CLI::Range(1, 1000));
-  command->add_flag("--no-synthetic", *no_synthetic, "The plans alone");
+  command->add_flag("--no-synthetic", *no_synthetic, "Only the plans");
   command->footer(
       "Example:\n  lefort bench convergence examples/midface_forward.json "
       "examples/midface_forward_down.json --ct ct.nrrd -o convergence/\n"
-      "What was found: docs/theory/contact.md.");
+      "Results: docs/theory/contact.md.");
   command->callback([job, no_synthetic, &context] {
     job->synthetic = !*no_synthetic;
     context.run("bench convergence",
@@ -114,7 +115,8 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
 void add_detection(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::DetectionOptions>();
   CLI::App* const command = bench.add_subcommand(
-      "detection", "How fast contact with a skull is detected: fields beside trees of boxes");
+      "detection",
+      "Measure contact detection with a skull: fields and bounding volume hierarchies");
   command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
   command
       ->add_option("-o,--output", options->output,
@@ -139,7 +141,7 @@ void add_detection(CLI::App& bench, CommandContext& context) {
 void add_solve(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::SolveOptions>();
   CLI::App* const command = bench.add_subcommand(
-      "solve", "Solve blocks of soft tissue: beside CalculiX, and larger and larger");
+      "solve", "Solve blocks of soft tissue: compared with CalculiX, and of increasing size");
   command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json")
       ->required();
   command->add_option("--repeats", options->repeats, "Runs of CalculiX and of lefort; 0: none")
@@ -152,7 +154,9 @@ void add_solve(CLI::App& bench, CommandContext& context) {
   command->add_option("--increments", options->increments, "Of the load")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--cells", options->growth_cells, "Cells along a side of ever larger blocks")
+  command
+      ->add_option("--cells", options->growth_cells,
+                   "Cells along a side of blocks of increasing size")
       ->check(CLI::Range(1, 80))
       ->capture_default_str();
   command->add_flag("--large", options->large, "Also a block of a million unknowns");
@@ -166,7 +170,7 @@ void add_solve(CLI::App& bench, CommandContext& context) {
   });
 }
 
-/// A single measurement, in a process that `bench solve` starts.
+/// A single measurement, in a process started by `bench solve`.
 void add_solve_task(CLI::App& bench, CommandContext& context) {
   const auto task = std::make_shared<std::string>();
   CLI::App* const command = bench.add_subcommand("solve-task", "One measurement, as JSON");
@@ -180,7 +184,7 @@ void add_solve_task(CLI::App& bench, CommandContext& context) {
   });
 }
 
-/// A single measurement, in a process that the others start.
+/// A single measurement, in a process started by the other benchmarks.
 void add_field_task(CLI::App& bench, CommandContext& context) {
   struct Job {
     std::string surface, task;
@@ -201,7 +205,7 @@ void add_field_task(CLI::App& bench, CommandContext& context) {
 }  // namespace
 
 void add_bench_command(CLI::App& cli, CommandContext& context) {
-  CLI::App* const bench = cli.add_subcommand("bench", "Measurements anyone can rerun");
+  CLI::App* const bench = cli.add_subcommand("bench", "Run benchmarks");
   bench->require_subcommand(1);
   add_table1(*bench, context);
   add_scaling(*bench, context);

@@ -1,5 +1,5 @@
 /// \file
-/// What every sub-command shares: options, how it runs, how it ends.
+/// Common options, execution and exit codes of the sub-commands.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,7 +16,7 @@ namespace lefort::app {
 /// Exit codes of the program.
 enum ExitCode : int { kExitDone = 0, kExitFailed = 1, kExitUsage = 2 };
 
-/// The options all commands have, and the exit code.
+/// Options of all commands, and the exit code.
 struct CommandContext {
   int threads = 0;  ///< 0: as many as the machine has.
   bool json = false;

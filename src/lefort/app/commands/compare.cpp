@@ -8,26 +8,26 @@ namespace lefort::app {
 void add_compare_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::CompareJob>();
   const auto no_pictures = std::make_shared<bool>(false);
-  CLI::App* const command =
-      cli.add_subcommand("compare", "How far two faces are apart, and what surgery has moved");
+  CLI::App* const command = cli.add_subcommand(
+      "compare", "Measure the distance between two faces, and the movements by surgery");
   command
       ->add_option("face", job->face,
                    "A face: .vtp, .stl, .ply, .obj, or the folder of a prediction")
       ->required();
   CLI::Option* const other =
-      command->add_option("other", job->other, "What it is held against, likewise");
+      command->add_option("other", job->other, "The face to compare with, in the same formats");
   command
       ->add_option("--after-ct", job->after_ct,
-                   "Instead, a scan after surgery, in any position: it is laid onto the bone that "
-                   "did not move, and each segment's movement is found")
+                   "Instead, a scan after surgery, in any position: it is registered on the "
+                   "stationary bone, and the movement of each segment is measured")
       ->excludes(other);
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   command->add_option("--before", job->before,
-                      "The face before surgery: \"nothing changed\", which every prediction must "
-                      "beat (of a prediction's folder: its own)");
+                      "The face before surgery, for the baseline without change (default for the "
+                      "folder of a prediction: its own)");
   command->add_option("--landmarks", job->landmarks,
-                      "Landmarks before surgery, .mrk.json or .csv: those of the skin tell nose, "
-                      "lips, chin and cheeks apart (of a prediction's folder: its plan's)");
+                      "Landmarks before surgery, .mrk.json or .csv: those of the skin define nose, "
+                      "lips, chin and cheeks (default for the folder of a prediction: its plan's)");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->footer(
       "Examples:\n"

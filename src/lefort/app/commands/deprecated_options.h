@@ -1,5 +1,5 @@
 /// \file
-/// Former names of options: still accepted for one version, with a warning.
+/// Deprecated names of options, accepted for one version with a warning.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -10,7 +10,7 @@
 namespace lefort::app {
 namespace {
 
-/// Takes names alone; CLI11's own transformer shows, and takes, the numbers behind them, too.
+/// Accepts names only; CLI11's own transformer also shows and accepts the numbers.
 template <class Value>
 CLI::Validator one_of(const std::map<std::string, Value>& values) {
   std::string names;
@@ -39,12 +39,12 @@ void add_build(CLI::App& field, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--band", job->options.band_mm,
-                   "Samples up to this far from the surface are kept [mm]; 0 takes five cells")
+                   "Band: largest distance of samples from the surface [mm]; 0: five cells")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
       ->add_option("--tolerance", job->options.tolerance_mm,
-                   "Octrees unite cells while every sample is kept to this [mm]")
+                   "Octrees: largest error of a sample when cells are merged [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
@@ -146,7 +146,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
       ->excludes(width);
   add_region(*command, job->region_mm);
   command->add_option("--mesh", job->mesh,
-                      "Surface whose section is drawn, too: .vtp, .stl, .ply or .obj");
+                      "Surface whose section is drawn: .vtp, .stl, .ply or .obj");
   command->add_flag("--smooth", job->smooth,
                     "Use the differentiable reconstruction instead of the trilinear one");
   command->footer(
@@ -165,7 +165,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
 void add_info(CLI::App& field, CommandContext& context) {
   const auto file = std::make_shared<std::filesystem::path>();
   CLI::App* const command =
-      field.add_subcommand("info", "What a field is, how large, and whether its file is whole");
+      field.add_subcommand("info", "Show the kind, size and checksum of a field");
   command->add_option("field", *file, "Field made by `lefort field build`")->required();
   command->footer("Example:\n  lefort field info skull.field --json");
   command->callback([file, &context] {

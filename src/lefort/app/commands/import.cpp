@@ -8,7 +8,7 @@ namespace lefort::app {
 
 namespace {
 
-/// What the environment says, or nothing: a password there is not in the list of processes.
+/// An environment variable, or an empty text. Unlike arguments, it is not in the list of processes.
 std::string from_environment(const char* name) {
   const char* const text = std::getenv(name);
   return text == nullptr ? "" : text;

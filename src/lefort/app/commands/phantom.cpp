@@ -9,10 +9,10 @@ namespace lefort::app {
 void add_phantom_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::PhantomJob>();
   CLI::App* const command = cli.add_subcommand(
-      "phantom", "Make the DICOM files of a synthetic head, to try lefort without a patient");
+      "phantom", "Write DICOM files of a synthetic head, to try lefort without a patient");
   command
       ->add_option("-o,--output", job->output,
-                   "Folder for dicom/ and labels.seg.nrrd, what each voxel truly is")
+                   "Folder for dicom/ and labels.seg.nrrd, the true labels")
       ->required();
   const std::map<std::string, pipeline::PhantomVariant> variants{
       {"plain", pipeline::PhantomVariant::kPlain},
@@ -20,7 +20,7 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
       {"shuffled", pipeline::PhantomVariant::kShuffled},
       {"oblique", pipeline::PhantomVariant::kOblique},
       {"feet-first", pipeline::PhantomVariant::kFeetFirst}};
-  command->add_option("--variant", job->variant, "How the scanner took it (plain)")
+  command->add_option("--variant", job->variant, "How it is scanned (plain)")
       ->transform(CLI::CheckedTransformer(variants).description(
           "{plain,tilted,shuffled,oblique,feet-first}"));
   command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm]")

@@ -6,12 +6,13 @@
 namespace lefort::app {
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
-  CLI::App* const plan = cli.add_subcommand("plan", "Cut bones and move them, without the face");
+  CLI::App* const plan =
+      cli.add_subcommand("plan", "Osteotomies and movements of bones, without the face");
   plan->require_subcommand(1);
   const auto job = std::make_shared<pipeline::CheckPlanJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(
-      "check", "Find bone in bone, gaps, and segments without support, before anything is solved");
+      "check", "Check overlap of bones, gaps, and support of segments, without a prediction");
   command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   CLI::Option* const ct =
@@ -21,7 +22,7 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
                    "A closed surface of the bone instead: .vtp, .stl, .ply or .obj")
       ->excludes(ct);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
-  command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone in bone [mm]")
+  command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone overlap [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command

@@ -17,25 +17,24 @@ void add_segment_command(CLI::App& cli, CommandContext& context) {
                    "Folder for labels.seg.nrrd (3D Slicer), skull.vtp and skin.vtp")
       ->required();
   CLI::Option* const bone_hu =
-      command->add_option("--bone-hu", job->options.bone_hu, "Bone is at least this dense [HU]")
+      command->add_option("--bone-hu", job->options.bone_hu, "Lower threshold of bone [HU]")
           ->check(CLI::Range(-200.0, 2000.0))
           ->capture_default_str();
   CLI::Option* const skin_hu =
-      command
-          ->add_option("--skin-hu", job->options.skin_hu, "The patient is at least this dense [HU]")
+      command->add_option("--skin-hu", job->options.skin_hu, "Lower threshold of the patient [HU]")
           ->check(CLI::Range(-900.0, 0.0))
           ->capture_default_str();
   command
       ->add_flag("--auto-thresholds", job->auto_thresholds,
-                 "Find both in the histogram (Otsu), for values that are no HU")
+                 "Both thresholds from the histogram (Otsu), for values that are not HU")
       ->excludes(bone_hu)
       ->excludes(skin_hu);
   command
       ->add_option("--smooth", job->finish.smoothing_passes,
-                   "Passes of smoothing, which take the steps of voxels away; 0: the isosurface")
+                   "Passes of smoothing, which remove the steps of voxels; 0: the isosurface")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  // As many as the paper's skull has (Table 1).
+  // The number of triangles of the paper's skull (Table 1).
   static const std::map<std::string, std::string> kPresets{{"paper", "96190"}};
   command
       ->add_option("--max-triangles", job->finish.triangles,

@@ -18,19 +18,19 @@ void add_serve_command(CLI::App& cli, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--host", job->host,
-                   "Address to listen at; others than this machine's own "
-                   "let the network in")
+                   "Address to listen at; any other than loopback "
+                   "is open to the network")
       ->capture_default_str();
   command->add_flag("--open", job->open, "Open the page in the default browser");
   command->add_flag("--demo", job->demo,
-                    "Begin with the bundled example, unless the case has a scan");
+                    "Start with the bundled example, unless the case has a scan");
   command->add_option("--example", job->example, "The scan of the bundled example")
       ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  lefort serve my-case --open\n"
-      "Prints the page's address, which holds a secret of this start: who has it can see and\n"
-      "change the case. Ctrl-C ends it. See docs/guide/planner.md. Not for clinical use.");
+      "Prints the page's address, which contains a secret token: anyone who has it can read and\n"
+      "change the case. Ctrl-C ends the server. See docs/guide/planner.md. Not for clinical use.");
   command->callback([job, &context] {
     context.run("serve", [&](Progress& progress) { return server::serve_case(*job, progress); });
   });

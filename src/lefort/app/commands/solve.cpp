@@ -8,7 +8,7 @@ namespace lefort::app {
 void add_solve_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SolveJob>();
   CLI::App* const command =
-      cli.add_subcommand("solve", "Solve for the shape of a body on a mesh of your own");
+      cli.add_subcommand("solve", "Solve the equilibrium of a body on a given mesh");
   command->add_option("deck", job->deck, "Deck (contract/deck.schema.json)")->required();
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   command->add_flag("--check", job->check_only,

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNoTime_s = 0.05;  // Shown as 0.0 s.
 
-std::atomic<bool> interrupted{false};  // The only way a signal can speak to us.
+std::atomic<bool> interrupted{false};  // Set by the signal handler.
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void on_interrupt(int signal) {
@@ -34,7 +34,7 @@ TerminalProgress::TerminalProgress(bool quiet)
 TerminalProgress::~TerminalProgress() { end_stage(); }
 
 void TerminalProgress::begin_stage(std::string_view name) {
-  if (seconds_in_stage() < kNoTime_s) in_stage_ = false;  // All it did was to begin this one.
+  if (seconds_in_stage() < kNoTime_s) in_stage_ = false;  // An empty stage is not shown.
   end_stage();
   stage_ = name;
   in_stage_ = true;

@@ -1,5 +1,5 @@
 /// \file
-/// Progress for people: a bar when stderr is a terminal, a line per stage otherwise.
+/// Progress on stderr: a bar on a terminal, otherwise a line per stage.
 #pragma once
 
 #include <lefort/core/progress.h>
@@ -11,7 +11,7 @@ namespace lefort::app {
 
 class TerminalProgress final : public Progress {
  public:
-  /// \param quiet  shows notes alone.
+  /// \param quiet  shows only notes.
   explicit TerminalProgress(bool quiet);
   ~TerminalProgress() override;
 
@@ -33,7 +33,7 @@ class TerminalProgress final : public Progress {
   std::chrono::steady_clock::time_point begun_;
 };
 
-/// Lets Ctrl-C and SIGTERM ask running work to stop; a second Ctrl-C ends the program at once.
+/// Ctrl-C and SIGTERM request running work to stop; a second Ctrl-C ends the program at once.
 void stop_on_interrupt();
 
 }  // namespace lefort::app

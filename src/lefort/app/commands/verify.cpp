@@ -10,14 +10,14 @@ namespace lefort::app {
 
 void add_verify_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::VerifyJob>();
-  CLI::App* const command =
-      cli.add_subcommand("verify", "Hold the finite element solver against closed forms");
+  CLI::App* const command = cli.add_subcommand(
+      "verify", "Verify the finite element solver against closed-form solutions");
   command->add_option("-o,--output", job->output,
-                      "Folder for verification.md and its plots; none: the checks alone");
+                      "Folder for verification.md and its plots; none: only the checks");
   command->add_flag("--full", job->full, "Finer meshes: minutes instead of seconds");
   std::vector<std::string> names;
   for (const verify::Case& one : verify::all_cases()) names.emplace_back(one.name);
-  command->add_option("--only", job->only, "One case alone")->check(CLI::IsMember(names));
+  command->add_option("--only", job->only, "Only this case")->check(CLI::IsMember(names));
   command->footer("Example:\n  lefort verify --full -o docs");
   command->callback([job, &context] {
     bool passed = true;

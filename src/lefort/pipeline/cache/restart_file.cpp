@@ -15,8 +15,8 @@
 namespace lefort::pipeline {
 namespace {
 
-// To be raised with every change of the solver or of contact that may change what a step finds, and
-// of this file's layout.
+// Raise with every change of the solver or of contact that may change the result of a step, and of
+// this file's layout.
 constexpr double kStepsRevision = 6;
 
 constexpr std::string_view kMagic = "lefort restart 3\n";
@@ -43,7 +43,7 @@ class Writer {
   std::string text_;
 };
 
-/// The reverse; what is not there reads as zero, and is_whole() says so.
+/// Reads values. Missing ones are zero, and is_whole() is then false.
 class Reader {
  public:
   explicit Reader(std::string_view text) : text_(text) {}
@@ -60,7 +60,7 @@ class Reader {
   void size_of(List& list) {
     std::uint64_t size = 0;
     (*this)(size);
-    is_whole_ = is_whole_ && size <= text_.size();  // An entry is a byte at least.
+    is_whole_ = is_whole_ && size <= text_.size();  // An entry has at least one byte.
     if (is_whole_) list.resize(static_cast<decltype(list.size())>(size));
   }
   [[nodiscard]] bool is_whole() const { return is_whole_ && text_.empty(); }
@@ -70,7 +70,7 @@ class Reader {
   bool is_whole_ = true;
 };
 
-// What a restart is made of, member by member, to be written or to be read.
+// The members of a restart, to be written or read.
 
 template <class Archive>
 void visit(Archive& archive, std::string& text) {
@@ -231,7 +231,7 @@ void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
 
 }  // namespace
 
-// Structured bindings name every member: a new one breaks the build here, not the cache.
+// Structured bindings name every member: a new member fails to compile until it is in the key.
 std::string restart_key(const PreparedCase& prepared) {
   const io::PlanFile& plan = prepared.plan;
   io::Sha256 hash;
@@ -279,7 +279,7 @@ std::string restart_key(const PreparedCase& prepared) {
 
 Result<void> write_restart(const std::filesystem::path& path, const predict::Restart& restart) {
   Writer writer;
-  predict::Restart copy = restart;  // One visit() for both ways takes what it may change.
+  predict::Restart copy = restart;  // visit() is shared with reading, so it needs a mutable object.
   visit(writer, copy);
   const std::string body = writer.take();
   return io::write_text(

@@ -1,5 +1,5 @@
 /// \file
-/// A prediction that was stopped, in a file: what its steps found and what the next one needs.
+/// File of a stopped prediction: its converged steps and the state for the next one.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,7 +11,7 @@
 
 namespace lefort::pipeline {
 
-/// Hash of all that the steps of a prediction depend on: tissue, bones with their fields and paths,
+/// Hash of all inputs of the steps of a prediction: tissue, bones with their fields and paths,
 /// options.
 [[nodiscard]] std::string restart_key(const PreparedCase& prepared);
 
@@ -19,8 +19,8 @@ namespace lefort::pipeline {
 [[nodiscard]] Result<void> write_restart(const std::filesystem::path& path,
                                          const predict::Restart& restart);
 
-/// \returns kFileNotFound; kFileCorrupt if the file is not as write_restart() left it.
-/// \note Of this machine: numbers are written as they lie in memory.
+/// \returns the state, kFileNotFound, or kFileCorrupt if the file is not one of write_restart().
+/// \note Not portable: numbers have the byte order of this machine.
 [[nodiscard]] Result<predict::Restart> read_restart(const std::filesystem::path& path);
 
 }  // namespace lefort::pipeline

@@ -1,5 +1,5 @@
 /// \file
-/// Keeps what costly stages made, under the hash of all that went into them.
+/// Cache of results of costly stages, with the hash of their inputs as key.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,20 +13,25 @@
 
 namespace lefort::pipeline {
 
-/// A folder of finished intermediate results. Files appear whole or not at all, so an interrupted
-/// run leaves only what the next one can use.
+/// A folder of intermediate results. Files are written atomically, so an interrupted run leaves
+/// only complete files.
 class StageCache {
  public:
   explicit StageCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// \param name  of the stage and file ending, as "field.field".
+  /// \param name  of the stage with a file ending, for example "field.field".
   /// \param key   hash of every input and option of the stage.
   [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& key) const {
     return folder_ / fmt::format("{}-{}", key.substr(0, 16), name);
   }
 
-  /// Reads what is there, as a stage of its own, or makes and keeps it. A kept file that cannot be
-  /// read is made anew; a result that cannot be kept serves all the same, with a note.
+  /// Reads a cached result, as a stage of its own, or computes and stores it. A damaged file is
+  /// computed again; a result that cannot be stored is returned, with a note.
+  ///
+  /// \param read   returns Result<T> from a path.
+  /// \param make   returns Result<T>.
+  /// \param write  writes a T to a path.
+  /// \returns the result, or what `make` returns.
   template <class Read, class Make, class Write>
   [[nodiscard]] auto get(const std::string& name, const std::string& key, Progress& progress,
                          const Read& read, const Make& make, const Write& write) const
@@ -36,13 +41,13 @@ class StageCache {
     if (std::filesystem::exists(path, error)) {
       progress.begin_stage(fmt::format("read {} from the cache", name));
       if (auto kept = read(path)) return kept;
-      progress.note(fmt::format("{} is damaged and is made anew", path.string()));
+      progress.note(fmt::format("{} is damaged and is computed again", path.string()));
     }
     auto made = make();
     if (!made) return made;
     std::filesystem::create_directories(folder_, error);
     if (const Result<void> kept = write(path, *made); !kept)
-      progress.note(fmt::format("{} is not kept for the next run: {}", name, kept.error().message));
+      progress.note(fmt::format("{} is not cached: {}", name, kept.error().message));
     return made;
   }
 

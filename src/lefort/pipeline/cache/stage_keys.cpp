@@ -6,7 +6,7 @@
 namespace lefort::pipeline {
 namespace {
 
-// To be raised with every change of a stage's code that may change what it makes.
+// Raise with every change of a stage's code that may change its result.
 constexpr double kLabelsRevision = 5;
 constexpr double kFieldRevision = 5;
 constexpr double kTissueRevision = 4;
@@ -14,12 +14,12 @@ constexpr double kSkinRevision = 2;
 
 }  // namespace
 
-// Structured bindings name every member: a new one breaks the build here, not the cache.
+// Structured bindings name every member: a new member fails to compile until it is in the key.
 
 std::string labels_key(const std::string& ct_sha256, const anatomy::SegmentationOptions& options) {
   const auto& [bone_hu, skin_hu, min_bone_ml, nostril_radius_mm, ostium_radius_mm, min_air_ml,
                max_memory_gib] = options;
-  static_cast<void>(max_memory_gib);  // Changes nothing but whether it is done.
+  static_cast<void>(max_memory_gib);  // Does not change the result.
   return io::Sha256()
       .add(kVersion)
       .add(kLabelsRevision)
@@ -58,11 +58,11 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
                        const predict::TissueOptions& options, double capture_mm) {
   const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
-  // The material is none of the mesh's business.
+  // The material does not change the mesh.
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
                muscle, face] = options;
-  static_cast<void>(mucosa);  // Named in the mesh when it is there.
-  static_cast<void>(muscle);  // Likewise.
+  static_cast<void>(mucosa);  // Assigned after meshing.
+  static_cast<void>(muscle);  // As mucosa.
   io::Sha256 hash;
   hash.add(kVersion)
       .add(kTissueRevision)

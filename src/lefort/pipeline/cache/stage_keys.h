@@ -1,5 +1,5 @@
 /// \file
-/// What a cached stage is known by: the hash of all that went into it, and of the code's revision.
+/// Keys of cached stages: hashes of their inputs and of the revision of their code.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -13,16 +13,16 @@
 
 namespace lefort::pipeline {
 
-/// Each key covers every member of the options; one that is added does not compile until it does.
+/// Each key covers every member of the options; a new member fails to compile until it is covered.
 [[nodiscard]] std::string labels_key(const std::string& ct_sha256,
                                      const anatomy::SegmentationOptions& options);
 
 [[nodiscard]] std::string field_key(const geometry::TriangleMesh& segment_B,
                                     const field::DistanceFieldOptions& options);
 
-/// \param segment_L    the segment, or several as one mesh: where it lies decides which tissue is
-///   meshed, and how finely.
-/// \param remainder_L, capture_mm  count where options.skin does: bone is not skin.
+/// \param segment_L    all segments as one mesh: their position determines the meshed region
+///   and the element size.
+/// \param remainder_L, capture_mm  used only with options.skin.
 [[nodiscard]] std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                                      const anatomy::LevelOptions& levels,
                                      const geometry::TriangleMesh& segment_L,

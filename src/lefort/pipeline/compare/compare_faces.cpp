@@ -46,12 +46,13 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, error);
 }
 
-/// The surface a face is in: the file, or of a prediction the predicted skin.
+/// The file of a face's surface: the file itself, or the predicted skin in a prediction's folder.
 Result<fs::path> surface_of(const fs::path& face) {
   if (!is_folder(face)) return face;
   if (!fs::exists(face / "prediction.json"))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} is no folder of a finished prediction: it has no prediction.json",
+                fmt::format("{} is not the folder of a finished prediction: it has no "
+                            "prediction.json",
                             face.string()));
   return face / "predicted_skin.vtp";
 }
@@ -94,7 +95,7 @@ Result<Inputs> find_inputs(const CompareJob& job) {
   return inputs;
 }
 
-/// Landmarks of the head before surgery; none is no fault.
+/// Landmarks of the head before surgery, if there are any.
 Result<plan::Landmarks> find_landmarks(const CompareJob& job) {
   if (job.landmarks) return io::read_landmarks(*job.landmarks);
   if (!is_folder(job.face)) return plan::Landmarks{};
@@ -102,7 +103,7 @@ Result<plan::Landmarks> find_landmarks(const CompareJob& job) {
   return std::move(plan.landmarks);
 }
 
-/// Landmarks of the skin where the compared face has carried them.
+/// Displacement of a skin landmark from the face before surgery to the compared face.
 struct LandmarkShift {
   std::string name;
   Vec3 before_L, translation_mm;
@@ -112,7 +113,7 @@ std::vector<LandmarkShift> find_shifts(const plan::Landmarks& landmarks,
                                        const TriangleMesh& before_L, const TriangleMesh& face_L) {
   std::vector<LandmarkShift> shifts;
   const auto carried = compare::carry_landmarks(landmarks, before_L, face_L);
-  if (!carried) return shifts;  // Of another surface: where its points came from is not known.
+  if (!carried) return shifts;  // Another surface: corresponding points are not known.
   for (const plan::Landmark& after : *carried) {
     const Vec3 before = *plan::find_landmark(landmarks, after.name);
     shifts.push_back({after.name, before, after.point_L - before});
@@ -157,7 +158,7 @@ Result<nlohmann::json> fingerprints_of(const Inputs& inputs) {
 
 Result<void> write_surgery(const fs::path& folder, const SurgeryFound& surgery) {
   LEFORT_TRY_VOID(io::write_text(folder / kMovements, movements_csv(surgery)));
-  // As a transform of Slicer: moves the scan after surgery onto the head before it.
+  // Transform for 3D Slicer from the scan after surgery to the head before surgery.
   LEFORT_TRY_VOID(io::write_transform(folder / kRegistration, surgery.base.X_onto_from.inverse()));
   LEFORT_TRY_VOID(io::write_surface(folder / kSkinAfter, surgery.skin_L));
   return io::write_surface(folder / kBoneAfter, surgery.bone_L);
@@ -172,19 +173,94 @@ Result<void> write_pictures(const fs::path& folder,
   return {};
 }
 
+/// The face that is compared, and the same face before surgery with its landmarks.
+struct Faces {
+  TriangleMesh face_L;
+  std::optional<TriangleMesh> before_L;
+  plan::Landmarks landmarks;
+  FaceRegions regions;
+
+  [[nodiscard]] const TriangleMesh* before() const { return before_L ? &*before_L : nullptr; }
+};
+
+Result<Faces> read_faces(const CompareJob& job, const Inputs& inputs) {
+  LEFORT_TRY(TriangleMesh face_L, read_face(inputs.face));
+  std::optional<TriangleMesh> before_L;
+  if (inputs.before) {
+    LEFORT_TRY(before_L, read_face(*inputs.before));
+  }
+  LEFORT_TRY(plan::Landmarks landmarks, find_landmarks(job));
+  LEFORT_TRY(FaceRegions regions, FaceRegions::from(landmarks));
+  return Faces{std::move(face_L), std::move(before_L), std::move(landmarks), std::move(regions)};
+}
+
+struct Measured {
+  compare::SurfaceDifference difference;
+  std::vector<compare::RegionDifference> rows;  ///< The whole face first.
+  std::vector<LandmarkShift> shifts;            ///< None without a face before surgery.
+};
+
+Result<Measured> measure(const Faces& faces, TriangleMesh other_L, Progress& progress) {
+  const geometry::Bvh other(std::move(other_L));
+  Measured measured{compare::measure_difference(faces.face_L, other), {}, {}};
+  measured.rows = compare::compare_by_region(faces.face_L, measured.difference, other,
+                                             faces.before(), faces.regions);
+  if (measured.rows.front().face.compared_fraction == 0.0)
+    return fail(ErrorCode::kInvalidArgument,
+                "no point of the face has a counterpart on the other within 20 mm; are both in "
+                "the same frame?");
+  for (const std::string& missing : faces.regions.missing())
+    progress.note(fmt::format("not distinguished because landmarks are missing: {}", missing));
+  if (faces.before_L) measured.shifts = find_shifts(faces.landmarks, *faces.before_L, faces.face_L);
+  return measured;
+}
+
+Result<nlohmann::json> result_json(const Inputs& inputs, const Faces& faces,
+                                   const Measured& measured,
+                                   const std::optional<SurgeryFound>& surgery) {
+  nlohmann::json result{
+      {"lefort_compare", 2}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
+  LEFORT_TRY(result["inputs"], fingerprints_of(inputs));
+  result["regions"] = regions_json(measured.rows);
+  result["regions_missing"] = faces.regions.missing();
+  for (const auto& [name, at, d] : measured.shifts)
+    result["landmark_shifts"].push_back({{"name", name},
+                                         {"before_mm", as_json(at)},
+                                         {"shift_mm", as_json(d)},
+                                         {"length_mm", d.norm()}});
+  if (surgery) {
+    result["after_ct_sha256"] = surgery->scan_sha256;
+    result["registration"] = registration_json(surgery->base);
+    result["warnings"] = surgery->warnings;
+    result["movements"] = movements_json(*surgery);
+  }
+  return result;
+}
+
+/// Writes all files except compare.json, whose presence shows that the others are complete.
+Result<void> write_files(const CompareJob& job, const Faces& faces, const Measured& measured,
+                         const std::optional<SurgeryFound>& surgery,
+                         const std::vector<report::ComparePicture>& pictures) {
+  if (surgery) LEFORT_TRY_VOID(write_surgery(job.output, *surgery));
+  LEFORT_TRY_VOID(io::write_text(job.output / kRegions, regions_csv(measured.rows)));
+  if (!measured.shifts.empty())
+    LEFORT_TRY_VOID(io::write_text(job.output / kLandmarks, shifts_csv(measured.shifts)));
+  std::vector<double> region_of;
+  for (const auto region : compare::regions_of(faces.face_L, faces.before(), faces.regions))
+    region_of.push_back(double(region));
+  LEFORT_TRY_VOID(
+      io::write_surface(job.output / kMap, faces.face_L,
+                        {{"difference_mm", measured.difference.signed_mm}, {"region", region_of}}));
+  return write_pictures(job.output, pictures);
+}
+
 }  // namespace
 
 Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   LEFORT_TRY(const Inputs inputs, find_inputs(job));
   progress.begin_stage("read the faces");
-  LEFORT_TRY(const TriangleMesh face_L, read_face(inputs.face));
-  std::optional<TriangleMesh> before_L;
-  if (inputs.before) {
-    LEFORT_TRY(before_L, read_face(*inputs.before));
-  }
-  LEFORT_TRY(const plan::Landmarks landmarks, find_landmarks(job));
-  LEFORT_TRY(const FaceRegions regions, FaceRegions::from(landmarks));
-  const io::EmptyFolderCleanup none_left(job.output);
+  LEFORT_TRY(const Faces faces, read_faces(job, inputs));
+  const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, inputs));
 
   std::optional<SurgeryFound> surgery;
@@ -195,58 +271,21 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   } else {
     LEFORT_TRY(other_L, read_face(*inputs.other));
   }
-
   progress.begin_stage("measure the difference");
-  const geometry::Bvh other(std::move(other_L));
-  const compare::SurfaceDifference difference = compare::measure_difference(face_L, other);
-  const std::vector<compare::RegionDifference> rows = compare::compare_by_region(
-      face_L, difference, other, before_L ? &*before_L : nullptr, regions);
-  const compare::DifferenceStatistics& whole = rows.front().face;
-  if (whole.compared_fraction == 0.0)
-    return fail(ErrorCode::kInvalidArgument,
-                "no point of the face has a counterpart on the other within 20 mm; do both lie in "
-                "the same frame?");
-  for (const std::string& missing : regions.missing())
-    progress.note(fmt::format("not told apart for want of landmarks: {}", missing));
-  const std::vector<LandmarkShift> shifts =
-      before_L ? find_shifts(landmarks, *before_L, face_L) : std::vector<LandmarkShift>{};
+  LEFORT_TRY(const Measured measured, measure(faces, std::move(other_L), progress));
 
   std::vector<report::ComparePicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
-    LEFORT_TRY(pictures,
-               report::draw_difference(face_L, difference.signed_mm, whole.p95_mm, progress));
+    LEFORT_TRY(pictures, report::draw_difference(faces.face_L, measured.difference.signed_mm,
+                                                 measured.rows.front().face.p95_mm, progress));
   }
-
   progress.begin_stage("write");
-  nlohmann::json result{
-      {"lefort_compare", 2}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
-  LEFORT_TRY(result["inputs"], fingerprints_of(inputs));
-  result["regions"] = regions_json(rows);
-  result["regions_missing"] = regions.missing();
-  for (const auto& [name, at, d] : shifts)
-    result["landmark_shifts"].push_back({{"name", name},
-                                         {"before_mm", as_json(at)},
-                                         {"shift_mm", as_json(d)},
-                                         {"length_mm", d.norm()}});
-  if (surgery) {
-    result["after_ct_sha256"] = surgery->scan_sha256;
-    result["registration"] = registration_json(surgery->base);
-    result["warnings"] = surgery->warnings;
-    result["movements"] = movements_json(*surgery);
-    LEFORT_TRY_VOID(write_surgery(job.output, *surgery));
-  }
-  LEFORT_TRY_VOID(io::write_text(job.output / kRegions, regions_csv(rows)));
-  if (!shifts.empty()) LEFORT_TRY_VOID(io::write_text(job.output / kLandmarks, shifts_csv(shifts)));
-  std::vector<double> region_of;
-  for (const auto region : compare::regions_of(face_L, before_L ? &*before_L : nullptr, regions))
-    region_of.push_back(double(region));
-  LEFORT_TRY_VOID(io::write_surface(
-      job.output / kMap, face_L, {{"difference_mm", difference.signed_mm}, {"region", region_of}}));
-  LEFORT_TRY_VOID(write_pictures(job.output, pictures));
+  LEFORT_TRY(nlohmann::json result, result_json(inputs, faces, measured, surgery));
+  LEFORT_TRY_VOID(write_files(job, faces, measured, surgery, pictures));
   LEFORT_TRY_VOID(io::write_text(job.output / kResult, result.dump(2) + "\n"));
 
-  std::string text = job.output.string() + ":\n" + regions_text(rows);
+  std::string text = job.output.string() + ":\n" + regions_text(measured.rows);
   if (surgery) text += movements_text(*surgery);
   return Summary{std::move(text), std::move(result)};
 }

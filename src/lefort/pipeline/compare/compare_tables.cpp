@@ -105,7 +105,7 @@ nlohmann::json registration_json(const compare::Registration& r) {
 
 nlohmann::json movements_json(const SurgeryFound& surgery) {
   nlohmann::json lines = nlohmann::json::array();
-  for (const AchievedMovement& one : surgery.movements)
+  for (const compare::AchievedMovement& one : surgery.movements)
     lines.push_back({{"segment", one.segment},
                      {"registration", registration_json(one.achieved)},
                      {"achieved", as_json(one.movement)},
@@ -126,7 +126,7 @@ std::string movements_csv(const SurgeryFound& surgery) {
                        d.translation_mm.z(), d.translation_mm.norm(), turn_deg.x(), turn_deg.y(),
                        turn_deg.z(), turn_deg.norm(), d.max_mm);
   };
-  for (const AchievedMovement& one : surgery.movements) {
+  for (const compare::AchievedMovement& one : surgery.movements) {
     add(one.segment, "achieved", one.movement);
     add(one.segment, "from plan to achieved", one.error);
   }
@@ -135,11 +135,11 @@ std::string movements_csv(const SurgeryFound& surgery) {
 
 std::string movements_text(const SurgeryFound& surgery) {
   std::string text =
-      fmt::format("\n  registered on still bone: {:.2f} mm off (rms), {:.0f} % of it found",
+      fmt::format("\n  registered on stationary bone: rms {:.2f} mm, inlier fraction {:.0f} %",
                   surgery.base.rms_mm, 100.0 * surgery.base.inlier_fraction);
-  for (const AchievedMovement& one : surgery.movements)
+  for (const compare::AchievedMovement& one : surgery.movements)
     text += fmt::format(
-        "\n  {}: moved {}, turned {:.2f} deg; {:.2f} mm and {:.2f} deg from the plan", one.segment,
+        "\n  {}: moved {}, rotated {:.2f} deg; {:.2f} mm and {:.2f} deg from the plan", one.segment,
         anatomical(one.movement.translation_mm),
         degrees_from_radians(one.movement.rotation_rad.norm()), one.error.translation_mm.norm(),
         degrees_from_radians(one.error.rotation_rad.norm()));

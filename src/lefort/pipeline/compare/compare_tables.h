@@ -1,5 +1,5 @@
 /// \file
-/// Comparisons as JSON, CSV and words.
+/// Comparisons as JSON, CSV and text.
 #pragma once
 
 #include <lefort/compare/compare_by_region.h>
@@ -13,7 +13,7 @@
 
 namespace lefort::pipeline {
 
-/// Null where a figure is none.
+/// Values that are not finite become null.
 [[nodiscard]] nlohmann::json statistics_json(const compare::DifferenceStatistics& s);
 
 [[nodiscard]] nlohmann::json regions_json(std::span<const compare::RegionDifference> rows);
@@ -23,7 +23,7 @@ namespace lefort::pipeline {
 [[nodiscard]] nlohmann::json registration_json(const compare::Registration& registration);
 [[nodiscard]] nlohmann::json movements_json(const SurgeryFound& surgery);
 [[nodiscard]] std::string movements_csv(const SurgeryFound& surgery);
-/// Lines, each with a line feed before it.
+/// Lines, each after a line feed.
 [[nodiscard]] std::string movements_text(const SurgeryFound& surgery);
 
 }  // namespace lefort::pipeline

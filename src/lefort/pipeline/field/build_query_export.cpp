@@ -57,7 +57,7 @@ Result<Summary> query_field(const QueryFieldJob& job, Progress& progress) {
   if (job.smooth && !distance.is_smooth())
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("{} was built without --smooth, build it anew with it", job.field.string()));
+        fmt::format("{} was built without --smooth; rebuild it with --smooth", job.field.string()));
 
   progress.begin_stage("query");
   std::string table =

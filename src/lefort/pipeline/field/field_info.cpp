@@ -27,7 +27,7 @@ struct Part {
   std::size_t bytes;
 };
 
-/// What takes how much memory when the field is asked.
+/// Memory of the parts of a field when it is queried.
 std::vector<Part> memory_of(const DistanceField& distance) {
   std::vector<Part> parts;
   if (const auto* bricks = std::get_if<field::BrickSamples>(&distance.samples())) {
@@ -85,7 +85,7 @@ Result<Summary> describe_field(const std::filesystem::path& file, Progress& prog
 
   Summary summary;
   summary.json = {{"field", file.string()},
-                  {"checksum", "ok"},  // Or it would not have been read.
+                  {"checksum", "ok"},  // Checked when the file was read.
                   {"file_bytes", error ? 0 : file_bytes},
                   {"kind", kind_of(distance)},
                   {"smooth", distance.is_smooth()},
@@ -102,7 +102,7 @@ Result<Summary> describe_field(const std::filesystem::path& file, Progress& prog
                   {"samples_inside", count.inside},
                   {"samples_unknown", count.unknown}};
   summary.text = fmt::format(
-      "{}: {}{}, file whole (checksum ok), {:.1f} MB\n"
+      "{}: {}{}, file complete (checksum ok), {:.1f} MB\n"
       "domain: {}^3 cells of {:.6g} mm, from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) "
       "mm\n"
       "band: samples to {:.6g} mm, every point to {:.6g} mm\n",

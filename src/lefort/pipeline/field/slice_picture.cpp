@@ -62,7 +62,7 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
     LEFORT_TRY(surface, io::read_surface(*job.mesh));
   }
 
-  progress.begin_stage("ask the field");
+  progress.begin_stage("sample the field");
   field::SliceOptions options{
       .axis = job.axis, .at_mm = job.at_mm, .region_B = region, .smooth = job.smooth};
   LEFORT_TRY(options.pixel_mm, pixel_mm(job, distance, options));
@@ -85,7 +85,7 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
 
   const field::SliceSummary found = field::summarize(slice);
   Summary summary;
-  const bool closed = distance.frame().closed;  // Else there is no inside beyond the band.
+  const bool closed = distance.frame().closed;  // An open surface has no inside beyond the band.
   summary.text = fmt::format(
       "{}: {} x {} pixels of {:.4g} mm, distances from {:.3f} to {:.3f} mm, zero along {:.1f} mm",
       job.output.string(), slice.columns, slice.rows, slice.pixel_mm, found.min_mm, found.max_mm,

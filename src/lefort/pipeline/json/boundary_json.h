@@ -1,5 +1,5 @@
 /// \file
-/// What the tissue's boundary does, and who decided it, as JSON.
+/// Boundary conditions of the tissue and the rules that set them, as JSON.
 #pragma once
 
 #include <lefort/pipeline/prepare/prepare_case.h>
@@ -8,8 +8,7 @@
 
 namespace lefort::pipeline {
 
-/// Which rule and which painted label decided how many of the boundary's nodes, and how much of its
-/// area.
+/// Number of boundary nodes, and boundary area, set by each rule and by each painted label.
 [[nodiscard]] nlohmann::ordered_json boundary_json(const PreparedCase& prepared);
 
 }  // namespace lefort::pipeline

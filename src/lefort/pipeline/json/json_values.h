@@ -1,5 +1,5 @@
 /// \file
-/// Points and poses as JSON, the same in every result and answer.
+/// Points and poses as JSON, the same in all results and responses.
 #pragma once
 
 #include <lefort/core/types.h>

@@ -1,5 +1,5 @@
 /// \file
-/// Newton iterations, load attempts and contact figures as JSON, the same in every result
+/// Newton iterations, load attempts and contact statistics as JSON, the same in every result
 /// (`attempt` and `contact` of contract/prediction.schema.json).
 #pragma once
 
@@ -15,7 +15,7 @@ namespace lefort::pipeline {
 /// All attempts with all iterations. `from` and `to` are fractions of a path, or times of a deck.
 [[nodiscard]] nlohmann::ordered_json attempts_json(const std::vector<fem::LoadAttempt>& attempts);
 
-/// Penetration is the depth in the body; its increase is that since the state at rest.
+/// Penetration is the depth in the body; its increase is relative to the reference configuration.
 [[nodiscard]] nlohmann::ordered_json contact_json(const contact::ContactStatistics& contact);
 
 }  // namespace lefort::pipeline

@@ -221,7 +221,7 @@ Json timing_json(const Timing& timing) {
 }  // namespace
 
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
-                     const SkinShift& skin, const Timing& timing) {
+                     const predict::SkinDisplacement& skin, const Timing& timing) {
   Json steps = Json::array();
   for (const predict::PredictionStep& step : prediction.steps)
     steps.push_back(step_json(step, prepared));

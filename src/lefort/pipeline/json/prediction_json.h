@@ -1,9 +1,10 @@
 /// \file
-/// A prediction as JSON: what went in, what came out, what it took.
+/// A prediction as JSON: inputs, results, and run times.
 #pragma once
 
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/predict/face_prediction.h>
+#include <lefort/predict/skin_displacement.h>
 
 #include <nlohmann/json.hpp>
 
@@ -13,20 +14,17 @@
 
 namespace lefort::pipeline {
 
-/// What the run cost; kept apart, since all else is the same run after run.
+/// Run times. All other entries are the same in every run.
 struct Timing {
   std::vector<std::pair<std::string, double>> stage_seconds;
   std::vector<double> step_seconds;
 };
 
-/// Shifts of the skin, for people.
-struct SkinShift {
-  double max_mm = 0.0;
-  double mean_over_moved_mm = 0.0;  ///< Over vertices that moved by over 0.5 mm.
-};
-
+/// \param prediction  with at least the steps that converged.
+/// \param skin        of the last step.
 [[nodiscard]] nlohmann::ordered_json prediction_json(const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,
-                                                     const SkinShift& skin, const Timing& timing);
+                                                     const predict::SkinDisplacement& skin,
+                                                     const Timing& timing);
 
 }  // namespace lefort::pipeline

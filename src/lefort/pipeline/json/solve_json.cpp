@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 using pipeline::as_json;
 
-/// What each condition and load is called, in the order of Increment::reactions_n and loads_n.
+/// Names of conditions and loads, in the order of Increment::reactions_n and loads_n.
 struct Names {
   std::vector<std::string> conditions, loads;
 };
@@ -103,7 +103,7 @@ Json linear_solver_json(const solve::PreparedDeck& prepared, const solve::DeckRu
   return {{"requested", name_of(prepared.deck.linear_solver.kind)}, {"used", used}};
 }
 
-/// What there is to look at; a run that ended early has no final state.
+/// Files and names of the results; a run that ended early has no final state.
 Json last_converged_json(const solve::DeckRun& run, const std::string& file) {
   if (!run.last) return nullptr;
   return {{"increment", run.last->number},

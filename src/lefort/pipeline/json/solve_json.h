@@ -1,5 +1,5 @@
 /// \file
-/// A run of `lefort solve` as JSON: what went in, what came out, what it took.
+/// A run of `lefort solve` as JSON: inputs, results, and run times.
 #pragma once
 
 #include <lefort/io/deck_file.h>
@@ -14,7 +14,7 @@
 
 namespace lefort::pipeline {
 
-/// What the deck and its files were: SHA-256 of their bytes.
+/// SHA-256 of the deck and its files.
 struct SolveInputs {
   std::string deck_sha256;
   std::string mesh_sha256;
@@ -25,10 +25,10 @@ struct SolveInputs {
 [[nodiscard]] nlohmann::ordered_json increment_json(const solve::PreparedDeck& prepared,
                                                     const solve::Increment& increment);
 
-/// The whole.
+/// The whole document.
 ///
-/// \param increments  those of increment_json().
-/// \param last_file   holds the last converged increment, if there is one.
+/// \param increments  results of increment_json().
+/// \param last_file   file of the last converged increment, if there is one.
 [[nodiscard]] nlohmann::ordered_json solve_json(
     const io::DeckFile& file, const solve::PreparedDeck& prepared, const SolveInputs& inputs,
     nlohmann::ordered_json increments, const solve::DeckRun& run, const std::string& last_file,

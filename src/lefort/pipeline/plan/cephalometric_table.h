@@ -1,5 +1,5 @@
 /// \file
-/// The cephalometric table as commands print it.
+/// The cephalometric table as text.
 #pragma once
 
 #include <lefort/plan/cephalometrics.h>
@@ -15,7 +15,7 @@ namespace lefort::pipeline {
 [[nodiscard]] nlohmann::json cephalometric_json(std::span<const plan::Measurement> before,
                                                 std::span<const plan::Measurement> after);
 
-/// A line for each measurement that is known, each with a line feed before it.
+/// One line for each known measurement, each after a line feed.
 [[nodiscard]] std::string cephalometric_text(std::span<const plan::Measurement> before,
                                              std::span<const plan::Measurement> after);
 

@@ -41,7 +41,7 @@ constexpr const char* kAboutLandmarks =
 std::string surface_name(const std::string& segment) { return "segment_" + segment + ".vtp"; }
 std::string transform_name(const std::string& segment) { return "segment_" + segment + ".tfm"; }
 
-/// What a check writes, but for check.json and pictures; relative to its folder.
+/// Files of a check except check.json and pictures, relative to its folder.
 std::vector<std::string> names_of(const io::PlanFile& plan) {
   std::vector<std::string> names{"remainder.vtp"};
   for (const plan::PlannedSegment& one : plan.segments) {
@@ -53,8 +53,7 @@ std::vector<std::string> names_of(const io::PlanFile& plan) {
   return names;
 }
 
-/// Makes room for results: removes those of an earlier check, so that nothing stale stands beside
-/// new findings, and nothing else.
+/// Removes the results of an earlier check, and no other files.
 Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
                             std::span<const std::string> names) {
   LEFORT_TRY(const std::vector<fs::path> earlier, io::earlier_check_files(job.output));
@@ -69,7 +68,7 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   return io::remove_earlier_files(earlier);
 }
 
-/// What the check was made of and by.
+/// Inputs and version of the check.
 Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& text,
                                   const geometry::TriangleMesh& skull_L) {
   nlohmann::json files = nlohmann::json::array();
@@ -80,7 +79,7 @@ Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& t
                         {"skull_sha256", io::Sha256().add(skull_L).hex()}};
 }
 
-/// The skull that is to be cut: a surface, or the bone of a scan.
+/// The skull before the osteotomies: a surface, or the bone of a scan.
 Result<geometry::TriangleMesh> find_skull(const CheckPlanJob& job, const io::PlanFile& plan,
                                           Progress& progress) {
   if (job.skull) {
@@ -93,18 +92,18 @@ Result<geometry::TriangleMesh> find_skull(const CheckPlanJob& job, const io::Pla
   return std::move(head.skull_L);
 }
 
-/// Landmarks after surgery, as far as bones tell.
+/// Landmarks after surgery that move with bone.
 struct MovedLandmarks {
   plan::Landmarks known;              ///< On bone and teeth.
-  std::vector<std::string> off_bone;  ///< Hard ones that lie on no bone: not known.
+  std::vector<std::string> off_bone;  ///< Hard-tissue landmarks that are not on bone: unknown.
 };
 
-/// Landmarks on bone and teeth go with the bone they lie on. One on a cut is as near to both sides
-/// and goes with the segment; with the first in the plan, if there are several.
+/// Landmarks on bone and teeth move with the closest bone. A landmark on a cut, equally close to
+/// both sides, moves with the segment; with the first one in the plan, if there are several.
 MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegments& cut,
                               const std::vector<plan::PlannedSegment>& planned) {
-  constexpr double kOnBone_mm = 5.0;  // How far a landmark that was picked may be off.
-  constexpr double kOnCut_mm = 0.5;   // As near to both sides, within half of what picking tells.
+  constexpr double kOnBone_mm = 5.0;  // Largest distance of a picked landmark from bone.
+  constexpr double kOnCut_mm = 0.5;   // Equally close: half the accuracy of picking.
   std::vector<geometry::Bvh> trees;
   for (const geometry::TriangleMesh& segment : cut.segments_L) trees.emplace_back(segment);
   trees.emplace_back(cut.remainder_L);
@@ -185,15 +184,15 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
 std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& cut) {
   std::string text =
       check.findings.empty()
-          ? std::string("nothing was found against the plan")
-          : fmt::format("the plan cannot be done as it is, {} finding{}:", check.findings.size(),
+          ? std::string("no problem was found in the plan")
+          : fmt::format("the plan is not feasible, {} finding{}:", check.findings.size(),
                         check.findings.size() == 1 ? "" : "s");
   for (const predict::PlanFinding& finding : check.findings) text += "\n  " + finding.text;
   for (std::size_t k = 0; k < check.supports.size(); ++k) {
     const predict::SegmentSupport& support = check.supports[k];
     text += fmt::format(
-        "\n  {:<16} {:7.1f} ml, {:6.0f} mm2 of cut faces, {:3.0f} % supported, gap {:.1f} mm at "
-        "most, {:.1f} mm in the mean",
+        "\n  {:<16} {:7.1f} ml, {:6.0f} mm2 of cut faces, {:3.0f} % supported, gap max {:.1f} mm, "
+        "mean {:.1f} mm",
         support.segment, cut.volumes_mm3[k] * 1e-3, support.cut_area_mm2,
         100.0 * support.supported_fraction(), support.max_gap_mm, support.mean_gap_mm);
   }
@@ -226,7 +225,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut, plan::cut_segments(skull_L, plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
-  progress.begin_stage("bone against bone");
+  progress.begin_stage("check bone overlap");
   LEFORT_TRY(const predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
 
@@ -246,7 +245,8 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
     table = io::cephalometric_csv(before_table, after_table);
   }
   for (const std::string& name : after.off_bone)
-    progress.note(fmt::format("landmark {} lies on no bone; where it goes is not told", name));
+    progress.note(
+        fmt::format("landmark {} is not on bone; its position after surgery is unknown", name));
   std::vector<report::PlanPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
@@ -257,7 +257,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   for (const report::PlanPicture& picture : pictures) names.push_back("pictures/" + picture.file);
   LEFORT_TRY_VOID(io::check_none_in_the_way(job.output, names, {}));
   result["files"] = names;
-  // First, since it lists what the next check may replace, should this one be cut short.
+  // Written first: it lists the files that the next check may replace if this one is interrupted.
   LEFORT_TRY_VOID(io::write_text(job.output / "check.json", result.dump(2) + "\n"));
   LEFORT_TRY_VOID(write_bones(job.output, cut, plan.segments));
   if (!plan.landmarks.empty()) {

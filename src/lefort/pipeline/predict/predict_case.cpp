@@ -15,38 +15,24 @@
 #include <lefort/pipeline/timing/stage_timer.h>
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/predict_face.h>
+#include <lefort/predict/skin_displacement.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
 
-SkinShift measure_skin_shift(const std::vector<Vec3>& displacement_mm) {
-  constexpr double kMoved_mm = 0.5;
-  SkinShift shift;
-  Index moved = 0;
-  for (const Vec3& u : displacement_mm) {
-    const double length_mm = u.norm();
-    shift.max_mm = std::max(shift.max_mm, length_mm);
-    if (length_mm <= kMoved_mm) continue;
-    shift.mean_over_moved_mm += length_mm;
-    ++moved;
-  }
-  if (moved > 0) shift.mean_over_moved_mm /= double(moved);
-  return shift;
-}
-
-/// Tells each step and remembers how long it took.
+/// Reports each step and measures its time.
 class StepClock {
  public:
   explicit StepClock(Progress& progress) : progress_(progress) {}
@@ -58,7 +44,7 @@ class StepClock {
     const contact::ContactStatistics contact = step.contact();
     progress_.note(fmt::format(
         "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
-        "{} nodes in contact, depth P99 {:.3f} mm, at most {:.3f} mm, {:.1f} s",
+        "{} nodes in contact, penetration increase P99 {:.3f} mm, max {:.3f} mm, {:.1f} s",
         100.0 * step.path_fraction, step.newton_iterations(), step.attempts.size(),
         step.relative_residual, contact.nodes, contact.p99_depth_from_rest_mm,
         contact.max_depth_from_rest_mm, seconds_.back()));
@@ -71,41 +57,41 @@ class StepClock {
   std::vector<double> seconds_;
 };
 
-/// Keeps what is found, step by step; that it cannot is told once.
-class StepKeeper {
+/// Writes the restart file after each step. A failure is reported once.
+class RestartWriter {
  public:
-  StepKeeper(fs::path path, Progress& progress) : path_(std::move(path)), progress_(&progress) {}
+  RestartWriter(fs::path path, Progress& progress) : path_(std::move(path)), progress_(&progress) {}
 
   void operator()(const predict::Restart& restart) {
-    if (!is_kept_) return;
-    const Result<void> kept = write_restart(path_, restart);
-    is_kept_ = kept.has_value();
-    if (!is_kept_)
-      progress_->note(fmt::format("steps are not kept for another run: {}", kept.error().message));
+    if (!is_writable_) return;
+    const Result<void> written = write_restart(path_, restart);
+    is_writable_ = written.has_value();
+    if (!is_writable_)
+      progress_->note(fmt::format("the restart file is not written: {}", written.error().message));
   }
 
  private:
   fs::path path_;
   Progress* progress_;
-  bool is_kept_ = true;
+  bool is_writable_ = true;
 };
 
-/// What an earlier run of the same has found, if it was stopped, or is run again.
-std::optional<predict::Restart> find_earlier(const fs::path& kept, int steps, Progress& progress) {
+/// Steps that an earlier run of the same case computed, if there was one.
+std::optional<predict::Restart> find_earlier(const fs::path& file, int steps, Progress& progress) {
   std::error_code error;
-  if (!fs::exists(kept, error)) return std::nullopt;
+  if (!fs::exists(file, error)) return std::nullopt;
   progress.begin_stage("read steps from the cache");
-  Result<predict::Restart> found = read_restart(kept);
+  Result<predict::Restart> found = read_restart(file);
   if (!found) {
-    progress.note(fmt::format("{}; the path is followed anew", found.error().message));
+    progress.note(fmt::format("{}; all steps are computed again", found.error().message));
     return std::nullopt;
   }
   progress.note(
-      fmt::format("{} of {} steps were found by an earlier run", found->steps.size(), steps));
+      fmt::format("{} of {} steps were computed by an earlier run", found->steps.size(), steps));
   return *std::move(found);
 }
 
-/// What contact is found and held by.
+/// Detection method, stiffness and tolerance of contact.
 void report_contact(const io::PlanFile& plan, Progress& progress) {
   if (plan.boundary.segment_interface != predict::SegmentInterface::kSliding) return;
   const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
@@ -116,51 +102,50 @@ void report_contact(const io::PlanFile& plan, Progress& progress) {
       kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
       predict::stiffness_factor(plan.contact), kpa_from_mpa(plan.tissue.young_mpa),
       plan.tissue.element_size_mm,
-      tolerance_mm ? fmt::format(", multipliers until the P99 of depth is {:g} mm", *tolerance_mm)
+      tolerance_mm ? fmt::format(", multipliers until the P99 of penetration increase is {:g} mm",
+                                 *tolerance_mm)
                    : ""));
 }
 
-/// A path that could not be followed leaves its history, and no face.
-Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
-                        const predict::FacePrediction& prediction, const std::string& plan_text,
-                        const Timing& timing) {
-  LEFORT_TRY_VOID(write_failure(job.output, prediction_report(prepared, prediction, {}, {}, timing),
-                                plan_text, prediction_json(prepared, prediction, {}, timing)));
-  return fail(prediction.failure->code,
-              fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
-                          "history is in {}",
-                          prediction.steps.size(), prepared.steps(), prediction.failure->message,
-                          (job.output / "failure.json").string()));
+/// The plan's text, and the scan it is for.
+struct LoadedPlan {
+  io::PlanText text;
+  fs::path ct;
+};
+
+Result<LoadedPlan> load_plan(const PredictJob& job, Progress& progress) {
+  LEFORT_TRY(io::PlanText text, io::read_plan_text(job.plan));
+  io::note_warnings(text.plan.warnings, progress);
+  LEFORT_TRY(fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
+  return LoadedPlan{std::move(text), std::move(ct)};
 }
 
-}  // namespace
-
-Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
-  StageTimer progress(shown);
-  LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
-  io::PlanFile plan = text.plan;
-  io::note_warnings(plan.warnings, progress);
-  LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
-  const io::EmptyFolderCleanup none_left(job.output);
-  LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  LEFORT_TRY_VOID(remove_results(job.output));
-  const std::string plan_copy = io::portable_plan(text.json, job.plan, ct, job.output);
-
-  const StageCache cache(job.output / "cache");
-  LEFORT_TRY(const std::vector<io::InputFile> plan_files, io::fingerprints(text.json, job.plan));
-  LEFORT_TRY(PreparedCase prepared,
-             prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
-
-  LEFORT_TRY(prepared.provenance.plan_files, io::fingerprints(text.json, job.plan));
+/// \returns kPlanInvalid if a file that the plan names changes meanwhile, or what prepare_case()
+///   returns.
+Result<PreparedCase> prepare_prediction(const PredictJob& job, const LoadedPlan& loaded,
+                                        const StageCache& cache, Progress& progress) {
+  const std::string& text = loaded.text.json;
+  LEFORT_TRY(const std::vector<io::InputFile> plan_files, io::fingerprints(text, job.plan));
+  LEFORT_TRY(PreparedCase prepared, prepare_case(loaded.text.plan, io::Sha256().add(text).hex(),
+                                                 loaded.ct, cache, progress));
+  LEFORT_TRY(prepared.provenance.plan_files, io::fingerprints(text, job.plan));
   if (prepared.provenance.plan_files != plan_files)
     return fail(ErrorCode::kPlanInvalid,
                 "a file that the plan names was changed while it was read: predict again");
+  return prepared;
+}
 
-  LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
+struct SolvedPath {
+  predict::FacePrediction prediction;
+  std::vector<double> step_seconds;
+};
 
-  const fs::path kept = cache.file("steps.restart", restart_key(prepared));
+/// Follows the paths, from where an earlier run of the same case was stopped.
+Result<SolvedPath> solve_path(const PredictJob& job, const PreparedCase& prepared,
+                              const StageCache& cache, Progress& progress) {
+  const fs::path restart = cache.file("steps.restart", restart_key(prepared));
   const int steps = prepared.steps();
-  std::optional<predict::Restart> earlier = find_earlier(kept, steps, progress);
+  std::optional<predict::Restart> earlier = find_earlier(restart, steps, progress);
   progress.begin_stage("solve");
   report_contact(prepared.plan, progress);
   StepClock clock(progress);
@@ -170,40 +155,69 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
                                        clock(step);
                                        if (job.on_step) job.on_step(step, steps);
                                      },
-                                 .on_restart = StepKeeper(kept, progress)};
-  if (earlier) {  // Those who watch see at once how far it is.
+                                 .on_restart = RestartWriter(restart, progress)};
+  if (earlier) {
     for (const predict::PredictionStep& step : earlier->steps)
       if (job.on_step) job.on_step(step, steps);
     progress.report(earlier->stepper.last.t);
   }
   if (job.on_iterate)
     watch.on_iterate = [&](const predict::PredictionIterate& at) { job.on_iterate(at, steps); };
-  LEFORT_TRY(const predict::FacePrediction prediction,
+  LEFORT_TRY(predict::FacePrediction prediction,
              predict::predict_face(prepared.model, prepared.paths(),
                                    {prepared.plan.tissue, prepared.plan.boundary,
                                     prepared.plan.contact, prepared.plan.solver},
                                    watch, progress, std::move(earlier)));
-  if (!prediction.converged())
-    return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
+  return SolvedPath{std::move(prediction), clock.seconds()};
+}
 
-  if (const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm)
-    if (const auto deep = std::count_if(prediction.steps.begin(), prediction.steps.end(),
-                                        [&](const auto& step) {
-                                          return step.contact().p99_depth_from_rest_mm >
-                                                 *tolerance_mm;
-                                        });
-        deep > 0)
-      progress.note(
-          fmt::format("warning: after {} of {} steps tissue in contact lies deeper (P99) than "
-                      "contact.penetration_tolerance_mm = {:g} mm; multipliers got no further",
-                      deep, prediction.steps.size(), *tolerance_mm));
-  const predict::PredictionStep& last = prediction.steps.back();
-  const std::vector<Vec3> skin_mm = predict::skin_displacement(
+/// Writes the solver's history, and no face.
+Result<Summary> write_unconverged(const PredictJob& job, const PreparedCase& prepared,
+                                  const SolvedPath& solved, const std::string& plan_text,
+                                  const std::vector<std::pair<std::string, double>>& stages) {
+  const predict::FacePrediction& prediction = solved.prediction;
+  const Timing timing{stages, solved.step_seconds};
+  LEFORT_TRY_VOID(write_failure(job.output, prediction_report(prepared, prediction, {}, {}, timing),
+                                plan_text, prediction_json(prepared, prediction, {}, timing)));
+  return fail(prediction.failure->code,
+              fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
+                          "history is in {}",
+                          prediction.steps.size(), prepared.steps(), prediction.failure->message,
+                          (job.output / "failure.json").string()));
+}
+
+/// Warns of steps whose penetration exceeds the tolerance.
+void check_penetration(const PreparedCase& prepared, const predict::FacePrediction& prediction,
+                       Progress& progress) {
+  const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm;
+  if (!tolerance_mm) return;
+  const auto deep = std::count_if(prediction.steps.begin(), prediction.steps.end(),
+                                  [&](const predict::PredictionStep& step) {
+                                    return step.contact().p99_depth_from_rest_mm > *tolerance_mm;
+                                  });
+  if (deep == 0) return;
+  progress.note(
+      fmt::format("warning: after {} of {} steps the P99 of the penetration increase exceeds "
+                  "contact.penetration_tolerance_mm = {:g} mm; the augmented Lagrangian did not "
+                  "reach the tolerance",
+                  deep, prediction.steps.size(), *tolerance_mm));
+}
+
+std::vector<Vec3> displace_skin(const PreparedCase& prepared, const predict::PredictionStep& last) {
+  return predict::skin_displacement(
       predict::embed_skin(
           prepared.skin_L, prepared.model.tissue,
           predict::embedding_distance_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm)),
       last.displacement_mm);
-  const SkinShift skin = measure_skin_shift(skin_mm);
+}
+
+Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
+                           const SolvedPath& solved, const std::string& plan_text,
+                           StageTimer& progress) {
+  const predict::FacePrediction& prediction = solved.prediction;
+  const predict::PredictionStep& last = prediction.steps.back();
+  const std::vector<Vec3> skin_mm = displace_skin(prepared, last);
+  const predict::SkinDisplacement skin = predict::measure_skin_displacement(skin_mm);
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
@@ -211,12 +225,11 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   }
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
-  const Timing timing{progress.stages(), clock.seconds()};
+  const Timing timing{progress.stages(), solved.step_seconds};
   const auto json = prediction_json(prepared, prediction, skin, timing);
   LEFORT_TRY_VOID(write_documents(job.output,
                                   prediction_report(prepared, prediction, pictures, skin, timing),
-                                  pictures, prepared.quality, plan_copy, json));
-
+                                  pictures, prepared.quality, plan_text, json));
   Summary summary;
   summary.text = fmt::format(
       "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",
@@ -224,6 +237,28 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
       prepared.model.tissue.element_count(), peak_memory_mb());
   summary.json = json;
   return summary;
+}
+
+}  // namespace
+
+Result<Summary> predict_case(const PredictJob& job, Progress& inner) {
+  StageTimer progress(inner);
+  LEFORT_TRY(const LoadedPlan loaded, load_plan(job, progress));
+  const io::EmptyFolderCleanup cleanup(job.output);
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_results(job.output));
+  const std::string plan_text =
+      io::portable_plan(loaded.text.json, job.plan, loaded.ct, job.output);
+
+  const StageCache cache(job.output / "cache");
+  LEFORT_TRY(const PreparedCase prepared, prepare_prediction(job, loaded, cache, progress));
+  LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
+
+  LEFORT_TRY(const SolvedPath solved, solve_path(job, prepared, cache, progress));
+  if (!solved.prediction.converged())
+    return write_unconverged(job, prepared, solved, plan_text, progress.stages());
+  check_penetration(prepared, solved.prediction, progress);
+  return write_face(job, prepared, solved, plan_text, progress);
 }
 
 }  // namespace lefort::pipeline

@@ -19,9 +19,9 @@ namespace {
 using report::StandardView;
 
 constexpr report::PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
-constexpr report::Rgb kFirstSegment{0.36, 0.55, 0.80};  ///< Others as in pictures of plans.
+constexpr report::Rgb kFirstSegment{0.36, 0.55, 0.80};  ///< Other segments as in pictures of plans.
 
-/// One kind of picture, from several sides.
+/// One kind of picture, from several cameras.
 struct Series {
   PictureKind kind;
   std::string file;

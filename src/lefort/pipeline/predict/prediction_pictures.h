@@ -1,5 +1,5 @@
 /// \file
-/// The pictures of a prediction: the face before and after, how far the skin moved, the bones.
+/// Pictures of a prediction: the face before and after, the displacement of the skin, the bones.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,7 +16,7 @@ enum class PictureKind { kBefore, kAfter, kDisplacement, kBones };
 
 struct PredictionPicture {
   PictureKind kind;
-  std::string file;   ///< Name without folder, as "after_front.png".
+  std::string file;   ///< Name without folder, for example "after_front.png".
   std::string title;  ///< "Predicted, front".
   std::string png;    ///< The file's bytes.
 };
@@ -24,7 +24,7 @@ struct PredictionPicture {
 /// Draws before and after from the same cameras, the displacement in colors, and the cut skull.
 ///
 /// \param skin_displacement_mm  one per vertex of prepared.skin_L.
-/// \param segments              where they ended.
+/// \param segments              at the end of their paths.
 [[nodiscard]] Result<std::vector<PredictionPicture>> draw_prediction(
     const PreparedCase& prepared, std::span<const Vec3> skin_displacement_mm,
     std::span<const predict::SegmentStep> segments, Progress& progress);

@@ -4,6 +4,7 @@
 #include <lefort/pipeline/predict/prediction_report.h>
 #include <lefort/pipeline/predict/write_prediction.h>
 #include <lefort/predict/assign_regions.h>
+#include <lefort/predict/path_overlaps.h>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
@@ -45,7 +48,7 @@ std::string move_in_words(const geometry::RigidPath& path) {
   const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
   if (angle_deg > 0.05)
     words += fmt::format(
-        " and turns by {:.1f}\u00b0 about the point that lay at ({:.1f}, {:.1f}, {:.1f}) mm",
+        " and rotates by {:.1f}\u00b0 about the point initially at ({:.1f}, {:.1f}, {:.1f}) mm",
         angle_deg, end.center_L.x(), end.center_L.y(), end.center_L.z());
   return words;
 }
@@ -60,9 +63,9 @@ std::string plan_sentence(const PreparedCase& prepared) {
 report::ReportTable step_table(const predict::FacePrediction& prediction) {
   report::ReportTable table{
       "Steps along the path",
-      {"path done [%]", "Newton iterations", "relative residual", "nodes in contact",
-       "max penetration [mm]", "mean penetration [mm]", "max depth from rest [mm]", "its P99 [mm]",
-       "contact force [N]", "smallest volume ratio"},
+      {"path fraction [%]", "Newton iterations", "relative residual", "nodes in contact",
+       "max penetration [mm]", "mean penetration [mm]", "max penetration increase [mm]",
+       "P99 of it [mm]", "contact force [N]", "min Jacobian"},
       {}};
   for (const predict::PredictionStep& step : prediction.steps) {
     const contact::ContactStatistics contact = step.contact();
@@ -78,13 +81,13 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
   return table;
 }
 
-/// Of a plan of several segments: each after the last step.
+/// For a plan of several segments: each segment after the last step.
 report::ReportTable segment_table(const PreparedCase& prepared,
                                   const predict::PredictionStep& last) {
   report::ReportTable table{
       "Segments at the end of the path",
       {"segment", "volume [ml]", "nodes in contact", "contact area [mm\u00b2]",
-       "max depth from rest [mm]", "its P99 [mm]", "contact force [N]"},
+       "max penetration increase [mm]", "P99 of it [mm]", "contact force [N]"},
       {}};
   for (std::size_t k = 0; k < last.segments.size(); ++k) {
     const contact::ContactStatistics& contact = last.segments[k].contact;
@@ -112,38 +115,38 @@ std::string law_in_words(double young_mpa, double poisson) {
 }
 
 std::string mucosa_in_words(const predict::TissueOptions& tissue) {
-  if (!tissue.mucosa) return "as what is inside";
+  if (!tissue.mucosa) return "as deep tissue";
   return fmt::format("within {:g} mm of the air inside; {}", tissue.mucosa->thickness_mm,
                      law_in_words(tissue.mucosa->young_mpa, tissue.mucosa->poisson));
 }
 
 std::string muscle_in_words(const predict::TissueOptions& tissue) {
-  if (!tissue.muscle) return "as what is inside";
-  return "as labelled; " + law_in_words(tissue.muscle->young_mpa, tissue.muscle->poisson);
+  if (!tissue.muscle) return "as deep tissue";
+  return "as labeled; " + law_in_words(tissue.muscle->young_mpa, tissue.muscle->poisson);
 }
 
-/// What the tissue is taken for, and what of it is not told apart.
+/// The material of the tissue, and which tissues are not distinguished.
 std::string material_limits(const predict::TissueOptions& tissue) {
   if (!tissue.skin && !tissue.mucosa && !tissue.muscle)
     return "Soft tissue is one homogeneous, compressible, elastic material at rest without "
-           "pre-stress; skin, fat and muscle are not told apart.";
-  std::string text = "What lies inside";
+           "pre-stress; skin, fat and muscle are not distinguished.";
+  std::string text = "Deep tissue";
   if (tissue.skin) text += ", skin";
   if (tissue.mucosa) text += ", mucosa";
   if (tissue.muscle) text += ", muscle";
-  text += " are each one homogeneous, compressible, elastic material at rest without pre-stress; ";
-  if (tissue.muscle) text += "muscle has no fibres and does not contract; ";
-  if (tissue.skin) text += "skin is no thinner at the lids; ";
+  text += " are each a homogeneous, compressible, elastic material at rest without pre-stress; ";
+  if (tissue.muscle) text += "muscle has no fibers and does not contract; ";
+  if (tissue.skin) text += "skin is not thinner at the lids; ";
   text += "fat";
   if (!tissue.skin) text += ", skin";
   if (!tissue.muscle) text += ", muscle";
-  return text + " and the rest are not told apart.";
+  return text + " and the rest are not distinguished.";
 }
 
 std::string skin_in_words(const PreparedCase& prepared) {
   const auto& skin = prepared.plan.tissue.skin;
-  if (!skin || !prepared.skin_layer) return "as what is inside";
-  return fmt::format("{} layers, {:g} mm asked for, {:.2f} mm on average under {:.0f} % of it; {}",
+  if (!skin || !prepared.skin_layer) return "as deep tissue";
+  return fmt::format("{} layers, {:g} mm requested, {:.2f} mm on average under {:.0f} % of it; {}",
                      skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
                      100.0 * prepared.skin_layer->covered_fraction,
                      law_in_words(skin->young_mpa, skin->poisson));
@@ -163,37 +166,36 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
     cell_mm = std::max(cell_mm, prepared.model.segments[k].field_B->cell_mm());
     band_mm = std::min(band_mm, prepared.model.segments[k].field_B->band_mm());
   }
-  return {
-      "Model",
-      {"quantity", "value"},
-      {{"elements", shapes_in_words(prepared.quality)},
-       {"nodes", fmt::format("{}", prepared.model.tissue.node_count())},
-       {"smallest dihedral angle", fmt::format("{:.1f}\u00b0", prepared.quality.min_dihedral_deg)},
-       {"smallest scaled Jacobian", fmt::format("{:.3f}", prepared.quality.min_scaled_jacobian)},
-       {"soft tissue law", "compressible neo-Hookean"},
-       {"Young\u2019s modulus", fmt::format("{:.1f} kPa", kpa_from_mpa(plan.tissue.young_mpa))},
-       {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
-       {"skin", skin_in_words(prepared)},
-       {"mucosa", mucosa_in_words(plan.tissue)},
-       {"muscle", muscle_in_words(plan.tissue)},
-       {"regions", predict::describe_regions(prepared.model.tissue, plan.tissue)},
-       {"tissue on the moved bone",
-        is_contact ? "slides without friction (contact)" : "moves with the bone (attached)"},
-       {"contact stiffness k_c", is_contact
-                                     ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
-                                                   prediction.contact_stiffness_mpa_per_mm,
-                                                   predict::stiffness_factor(plan.contact))
-                                     : std::string("\u2013")},
-       {"penetration of the mesh at rest",
-        is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
-                   : std::string("\u2013")},
-       {"tissue elevated from still bone",
-        fmt::format("within {:.1f} mm of the segment", plan.boundary.elevation_margin_mm)},
-       {"distance field of the segment",
-        fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
-       {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
-       {"bone inside the planes that does not move",
-        fmt::format("{:.2f} ml in {} pieces", fragments_mm3 * 1e-3, fragments)}}};
+  return {"Model",
+          {"quantity", "value"},
+          {{"elements", shapes_in_words(prepared.quality)},
+           {"nodes", fmt::format("{}", prepared.model.tissue.node_count())},
+           {"min dihedral angle", fmt::format("{:.1f}\u00b0", prepared.quality.min_dihedral_deg)},
+           {"min scaled Jacobian", fmt::format("{:.3f}", prepared.quality.min_scaled_jacobian)},
+           {"soft tissue law", "compressible neo-Hookean"},
+           {"Young\u2019s modulus", fmt::format("{:.1f} kPa", kpa_from_mpa(plan.tissue.young_mpa))},
+           {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
+           {"skin", skin_in_words(prepared)},
+           {"mucosa", mucosa_in_words(plan.tissue)},
+           {"muscle", muscle_in_words(plan.tissue)},
+           {"regions", predict::describe_regions(prepared.model.tissue, plan.tissue)},
+           {"tissue on the mobilized segment",
+            is_contact ? "slides on the bone without friction" : "moves with the bone (bonded)"},
+           {"contact stiffness k_c",
+            is_contact ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
+                                     prediction.contact_stiffness_mpa_per_mm,
+                                     predict::stiffness_factor(plan.contact))
+                       : std::string("\u2013")},
+           {"penetration of the mesh before movement",
+            is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
+                       : std::string("\u2013")},
+           {"periosteal elevation from stationary bone",
+            fmt::format("within {:.1f} mm of the segment", plan.boundary.elevation_margin_mm)},
+           {"distance field of the segment",
+            fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
+           {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
+           {"fragments between the planes that do not move",
+            fmt::format("{:.2f} ml in {} pieces", fragments_mm3 * 1e-3, fragments)}}};
 }
 
 report::ReportTable timing_table(const Timing& timing) {
@@ -219,7 +221,7 @@ std::vector<report::SolverStep> solver_steps(const predict::FacePrediction& pred
   return steps;
 }
 
-/// Pairs pictures of the same side, shows the others one by one.
+/// Pairs pictures from the same camera, and adds the others singly.
 void add_pictures(std::span<const PredictionPicture> pictures, report::CaseReport& report) {
   std::vector<const PredictionPicture*> before;
   for (const PredictionPicture& picture : pictures)
@@ -238,12 +240,84 @@ void add_pictures(std::span<const PredictionPicture> pictures, report::CaseRepor
   }
 }
 
+std::vector<report::KeyNumber> key_numbers(const PreparedCase& prepared,
+                                           const predict::FacePrediction& prediction,
+                                           const predict::SkinDisplacement& skin) {
+  if (prediction.steps.empty()) return {};
+  const contact::ContactStatistics contact = prediction.steps.back().contact();
+  return {{"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
+          {"mean displacement where the skin moved by more than 0.5 mm",
+           fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
+          {"max remaining penetration", fmt::format("{:.2f} mm", contact.max_penetration_mm)},
+          {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
+}
+
+std::vector<report::ReportTable> all_tables(const PreparedCase& prepared,
+                                            const predict::FacePrediction& prediction,
+                                            const Timing& timing) {
+  std::vector<report::ReportTable> tables;
+  if (prepared.plan.segments.size() > 1 && !prediction.steps.empty())
+    tables.push_back(segment_table(prepared, prediction.steps.back()));
+  tables.push_back(step_table(prediction));
+  tables.push_back(parameter_table(prepared, prediction));
+  tables.push_back(timing_table(timing));
+  return tables;
+}
+
+/// Warnings of the import, of bone overlap and of tunnelling.
+std::vector<std::string> notes_on(const PreparedCase& prepared,
+                                  const predict::FacePrediction& prediction) {
+  std::vector<std::string> notes = prepared.provenance.warnings;
+  if (const predict::BoneOverlapAtFraction* deepest = predict::find_deepest(prepared.overlaps))
+    notes.push_back(predict::describe_overlap(*deepest, prepared.plan.segments.size()) +
+                    fmt::format("; depths of all steps are in prediction.json and, of each "
+                                "segment, in {}*.vtp.",
+                                kBoneOverlap));
+  if (prediction.steps.empty()) return notes;
+  const contact::ContactStatistics contact = prediction.steps.back().contact();
+  if (contact.tunnelled_area_mm2 > 0.0)
+    notes.push_back(
+        fmt::format("The penalty method does not fully prevent penetration: {:.1f} mm\u00b2 of "
+                    "tissue, of {:.0f} mm\u00b2 in contact, tunnelled through thin bone.",
+                    contact.tunnelled_area_mm2, contact.area_mm2));
+  return notes;
+}
+
+std::vector<report::ProvenanceRow> provenance_rows(const Provenance& provenance) {
+  std::vector<report::ProvenanceRow> rows{
+      {"lefort version", kVersion},
+      {"SHA-256 of the plan", provenance.plan_sha256},
+      {"SHA-256 of the scan\u2019s voxels", provenance.ct_sha256},
+      {"kind of scan", provenance.ct_kind},
+      {"SHA-256 of the labels", provenance.labels_sha256},
+      {"labels", provenance.labels_source}};
+  for (const auto& [name, sha256] : provenance.plan_files)
+    rows.push_back({"SHA-256 of " + name, sha256});
+  return rows;
+}
+
+std::vector<std::string> limitations_of(const PreparedCase& prepared) {
+  return {
+      material_limits(prepared.plan.tissue),
+      "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
+      "chosen lower than measured for that reason.",
+      "Tissue outside the meshed region does not move, and tissue beyond the scan boundary is not "
+      "modeled: near the scan boundary the prediction is not reliable.",
+      prepared.model.stationary_bone
+          ? "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone, except "
+            "where it is painted as free or sliding; only sliding tissue has contact with "
+            "stationary bone."
+          : "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone; new "
+            "contact of tissue with stationary bone is not modeled.",
+      "Not validated against post-operative scans."};
+}
+
 }  // namespace
 
 report::CaseReport prediction_report(const PreparedCase& prepared,
                                      const predict::FacePrediction& prediction,
                                      std::span<const PredictionPicture> pictures,
-                                     const SkinShift& skin, const Timing& timing) {
+                                     const predict::SkinDisplacement& skin, const Timing& timing) {
   report::CaseReport report;
   report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
   report.subtitle = "Simulated soft-tissue response to a planned bone movement";
@@ -251,60 +325,13 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report.converged = prediction.converged();
   if (prediction.failure) report.failure = prediction.failure->message;
   add_pictures(pictures, report);
-  if (!prediction.steps.empty()) {
-    const predict::PredictionStep& last = prediction.steps.back();
-    report.key_numbers = {
-        {"largest shift of the skin", fmt::format("{:.1f} mm", skin.max_mm)},
-        {"mean shift where the skin moved over 0.5 mm",
-         fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
-        {"largest remaining penetration",
-         fmt::format("{:.2f} mm", last.contact().max_penetration_mm)},
-        {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
-  }
-  report.tables = {step_table(prediction), parameter_table(prepared, prediction),
-                   timing_table(timing)};
-  if (prepared.plan.segments.size() > 1 && !prediction.steps.empty())
-    report.tables.insert(report.tables.begin(), segment_table(prepared, prediction.steps.back()));
+  report.key_numbers = key_numbers(prepared, prediction, skin);
+  report.tables = all_tables(prepared, prediction, timing);
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
-  report.notes = prepared.provenance.warnings;
-  const auto deepest = std::max_element(
-      prepared.overlaps.begin(), prepared.overlaps.end(),
-      [](const predict::BoneOverlapAtFraction& a, const predict::BoneOverlapAtFraction& b) {
-        return a.overlap.deepest_mm < b.overlap.deepest_mm;
-      });
-  if (deepest != prepared.overlaps.end() && deepest->overlap.overlaps())
-    report.notes.push_back(describe(*deepest, prepared.plan) +
-                           fmt::format("; depths of all steps are in prediction.json and, of each "
-                                       "segment, in {}*.vtp.",
-                                       kBoneOverlap));
-  if (!prediction.steps.empty())
-    if (const contact::ContactStatistics contact = prediction.steps.back().contact();
-        contact.tunnelled_area_mm2 > 0.0)
-      report.notes.push_back(
-          fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
-                      "mm\u00b2 in contact, crept through thin bone.",
-                      contact.tunnelled_area_mm2, contact.area_mm2));
-  report.provenance = {{"lefort version", kVersion},
-                       {"SHA-256 of the plan", prepared.provenance.plan_sha256},
-                       {"SHA-256 of the scan\u2019s voxels", prepared.provenance.ct_sha256},
-                       {"kind of scan", prepared.provenance.ct_kind},
-                       {"SHA-256 of the labels", prepared.provenance.labels_sha256},
-                       {"labels", prepared.provenance.labels_source}};
-  for (const auto& [name, sha256] : prepared.provenance.plan_files)
-    report.provenance.push_back({"SHA-256 of " + name, sha256});
-  report.limitations = {
-      material_limits(prepared.plan.tissue),
-      "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
-      "chosen lower than measured for that reason.",
-      "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
-      "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
-      prepared.model.stationary_bone
-          ? "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it, "
-            "but not what is painted free or to slide; only what slides meets still bone."
-          : "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; "
-            "tissue does not meet still bone anew.",
-      "Not validated against post-operative scans."};
+  report.notes = notes_on(prepared, prediction);
+  report.provenance = provenance_rows(prepared.provenance);
+  report.limitations = limitations_of(prepared);
   return report;
 }
 

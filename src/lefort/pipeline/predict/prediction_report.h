@@ -1,5 +1,5 @@
 /// \file
-/// A prediction as the value that report_html turns into a page.
+/// The report of a prediction as a value, which report_html() formats.
 #pragma once
 
 #include <lefort/pipeline/json/prediction_json.h>
@@ -12,9 +12,12 @@
 
 namespace lefort::pipeline {
 
+/// \param pictures  may be empty.
+/// \param skin      of the last step.
 [[nodiscard]] report::CaseReport prediction_report(const PreparedCase& prepared,
                                                    const predict::FacePrediction& prediction,
                                                    std::span<const PredictionPicture> pictures,
-                                                   const SkinShift& skin, const Timing& timing);
+                                                   const predict::SkinDisplacement& skin,
+                                                   const Timing& timing);
 
 }  // namespace lefort::pipeline

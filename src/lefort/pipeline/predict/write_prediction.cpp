@@ -31,7 +31,7 @@ std::string as_text(const nlohmann::ordered_json& json) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-/// Files in `folder` that we might have written there.
+/// Files in `folder` that an earlier prediction may have written.
 std::vector<fs::path> earlier_files(const fs::path& folder, std::string_view beginning,
                                     std::string_view ending) {
   std::vector<fs::path> files;
@@ -64,7 +64,7 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
   return io::write_pvd(folder / "prediction.pvd", series);
 }
 
-/// Where it went, and what the tissue does to it there.
+/// Bone at its pose, with the contact fields of the tissue.
 Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepared,
                                  const predict::FacePrediction& prediction, std::size_t segment) {
   const predict::PredictionStep& last = prediction.steps.back();
@@ -75,7 +75,7 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   std::vector<Vec3> x_L = tissue.nodes_L;
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
-  // What rests within capture_mm of the bone touches it there.
+  // Tissue initially within capture_mm of the bone is in contact.
   const double near_mm = prepared.plan.boundary.capture_mm + contact.max_depth_from_rest_mm;
   contact::BoneContactFields load =
       contact::project_contact_to_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
@@ -115,7 +115,7 @@ std::string segment_file(std::string_view name, const io::PlanFile& plan, std::s
 Result<void> write_overlaps(const fs::path& folder, const PreparedCase& prepared) {
   for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k) {
     const std::string& name = prepared.plan.segments[k].osteotomy.segment;
-    std::map<double, std::vector<double>> deepest_mm;  // Of each vertex, for each share.
+    std::map<double, std::vector<double>> deepest_mm;  // Of each vertex, for each path fraction.
     for (const predict::BoneOverlapAtFraction& pair : prepared.overlaps) {
       const bool is_first = pair.first == name;
       if (!pair.overlap.overlaps() || (!is_first && pair.second != name)) continue;

@@ -1,5 +1,5 @@
 /// \file
-/// Puts a prediction into its folder.
+/// Writes a prediction into its folder.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,33 +17,34 @@
 
 namespace lefort::pipeline {
 
-/// Takes an earlier run's results out of a folder, prediction.json first: whatever becomes of the
-/// run that begins, nothing there passes for its result. The cache stays, and files of others.
+/// Removes the results of an earlier run, prediction.json first, so that they are not taken for
+/// those of a run that fails. The cache and other files are kept.
 ///
 /// \returns nothing, or kFileUnwritable: a result could not be removed.
 [[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
 
-/// "bone_overlap.vtp"; of a plan of several segments with the segment's name,
-/// "bone_overlap_maxilla.vtp".
+/// \returns "bone_overlap.vtp", or with the segment's name, if the plan has several segments,
+///   "bone_overlap_maxilla.vtp".
 [[nodiscard]] std::string segment_file(std::string_view name, const io::PlanFile& plan,
                                        std::size_t segment);
 
 inline constexpr const char* kMovedSegment = "bone_segment_moved";
 inline constexpr const char* kBoneOverlap = "bone_overlap";
 
-/// bone_overlap.vtp for each segment that is driven into other bone: at rest, with the depth of
-/// each vertex there for each step that does.
+/// bone_overlap.vtp for each segment that overlaps other bone: its initial surface, with the depth
+/// of each vertex at each step with overlap.
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
 /// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, bone_segment_moved.vtp for
-/// each segment, and paraview/prediction.pvd with a VTU for rest and for each step.
+/// each segment, and paraview/prediction.pvd with a VTU of the initial state and of each step.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// pictures/ with the mesh's plots, report.html, plan.json, last prediction.json: then all is in.
+/// pictures/ with the mesh's plots, report.html, plan.json, and last prediction.json: it shows that
+/// all files are complete.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,
                                            const report::CaseReport& report,
                                            std::span<const PredictionPicture> pictures,
@@ -51,7 +52,7 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
                                            std::string_view plan_text,
                                            const nlohmann::ordered_json& prediction);
 
-/// The same for a path that could not be followed: report.html, plan.json and failure.json.
+/// The same for a path that did not converge: report.html, plan.json and failure.json.
 [[nodiscard]] Result<void> write_failure(const std::filesystem::path& folder,
                                          const report::CaseReport& report,
                                          std::string_view plan_text,

@@ -1,5 +1,5 @@
 /// \file
-/// A bone's distance field, from the cache or built.
+/// Distance field of a bone, read from the cache or built.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,12 +14,14 @@
 
 namespace lefort::pipeline {
 
-/// \param name  of the bone, for stage and file.
+/// \param name       of the bone, for the stage and the file.
+/// \param surface_B  of the bone.
+/// \returns the field, or what build_distance_field() returns.
 [[nodiscard]] Result<std::shared_ptr<const field::DistanceField>> find_field(
     const std::string& name, const geometry::TriangleMesh& surface_B,
     const field::DistanceFieldOptions& options, const StageCache& cache, Progress& progress);
 
-/// Where the cache keeps it.
+/// Path of the field in the cache.
 [[nodiscard]] std::filesystem::path field_file(const std::string& name,
                                                const geometry::TriangleMesh& surface_B,
                                                const field::DistanceFieldOptions& options,

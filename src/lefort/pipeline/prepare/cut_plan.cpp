@@ -27,7 +27,7 @@ struct Bone {
   double volume_mm3;
 };
 
-/// In the order of the plan, the remainder last. They share their fields with the prediction.
+/// In the order of the plan, the remainder last. A prediction uses the same cached fields.
 std::vector<Bone> bones_of(const plan::CutSegments& cut,
                            const std::vector<plan::PlannedSegment>& planned) {
   std::vector<Bone> bones;
@@ -59,16 +59,16 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
-    field::DistanceFieldOptions field_options = plan.field;  // As prepare_case() has them.
+    field::DistanceFieldOptions field_options = plan.field;  // As in prepare_case().
     field_options.smooth =
         !bone.name.empty() && plan.contact.detection == contact::DetectionMethod::kSmooth;
     LEFORT_TRY(const auto field,
                find_field(bone.field, *bone.surface_L, field_options, cache, progress));
     if (!field->frame().closed)
       progress.note(
-          fmt::format("warning: {} is an open surface, so that overlap with it may be "
-                      "unseen",
-                      bone.name.empty() ? "the still bone" : bone.name));
+          fmt::format("warning: the surface of {} is open, so overlap with it may not be "
+                      "found",
+                      bone.name.empty() ? "the stationary bone" : bone.name));
     LEFORT_TRY_VOID(io::write_surface(job.output / bone.surface, *bone.surface_L));
     list.push_back(
         {{"name", bone.name},

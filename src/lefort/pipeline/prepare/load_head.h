@@ -1,5 +1,5 @@
 /// \file
-/// From scan to labels and skull: what cutting bones starts from.
+/// Scan, labels and skull before the osteotomies.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -16,7 +16,7 @@
 
 namespace lefort::pipeline {
 
-/// A head before anything is cut.
+/// A head before the osteotomies.
 struct ScannedHead {
   io::ImportedVolume scan;
   std::string ct_sha256;
@@ -25,13 +25,13 @@ struct ScannedHead {
   geometry::TriangleMesh skull_L;
 };
 
-/// \param plan  says which labels, or how to find them.
+/// \param plan  names the labels, or has the options to segment them.
 /// \param ct    the scan.
 [[nodiscard]] Result<ScannedHead> scan_head(const io::PlanFile& plan,
                                             const std::filesystem::path& ct,
                                             const StageCache& cache, Progress& progress);
 
-/// Tells of bone within an osteotomy that does not move, if there is any.
+/// Reports fragments: bone within an osteotomy that does not move.
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
 }  // namespace lefort::pipeline

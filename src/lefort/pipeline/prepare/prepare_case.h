@@ -1,5 +1,5 @@
 /// \file
-/// From scan and plan to all that a prediction needs, with costly stages cached.
+/// Prepares a prediction from scan and plan. Results of costly stages are cached.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -23,18 +23,18 @@
 
 namespace lefort::pipeline {
 
-/// What made a result.
+/// Inputs of a result.
 struct Provenance {
   std::string plan_sha256;                  ///< Of the plan file's text.
-  std::vector<io::InputFile> plan_files{};  ///< That the plan names, but for the scan.
+  std::vector<io::InputFile> plan_files{};  ///< Named by the plan, except the scan.
   std::string ct_sha256;                    ///< Of the imported voxels and their grid.
   std::string ct_kind;
   std::string labels_sha256;
-  std::string labels_source;          ///< "segmented" by us, or a "file" that the plan names.
+  std::string labels_source;          ///< "segmented" by lefort, or "file": named by the plan.
   std::vector<std::string> warnings;  ///< Of the import.
 };
 
-/// A case before anything moves. Immutable once prepared.
+/// A case in the reference configuration. Immutable once prepared.
 struct PreparedCase {
   io::PlanFile plan;
   Provenance provenance;
@@ -44,9 +44,8 @@ struct PreparedCase {
   plan::CutSegments cut;
   predict::FaceModel model;
   mesh::MeshQuality quality;
-  std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has skin of its own.
-  /// Where the plan moves bone into bone: for each step each segment with those after it and with
-  /// the bone that stays. Of that bone no vertices' depths.
+  std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has a material for skin.
+  /// Of each segment with every later one and with the stationary bone, at each step.
   std::vector<predict::BoneOverlapAtFraction> overlaps;
 
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
@@ -55,12 +54,13 @@ struct PreparedCase {
   [[nodiscard]] int steps() const { return geometry::steps_of(paths()); }
 };
 
-/// One sentence on where the path drives bone through bone; `pair` is one of prepared.overlaps.
-[[nodiscard]] std::string describe(const predict::BoneOverlapAtFraction& pair,
-                                   const io::PlanFile& plan);
-
+/// Segments the scan, cuts the bone, builds the distance fields, and meshes the tissue.
+///
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
+/// \param plan_sha256  SHA-256 of the text of the plan.
 /// \param ct           the scan.
+/// \param cache        of labels, fields and the tissue's mesh.
+/// \returns the case, or what importing, segmenting, cutting, meshing and check_reach() return.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);

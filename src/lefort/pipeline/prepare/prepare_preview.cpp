@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether displacements of one skin are displacements of the other: the same vertices, smoothed by
-/// no more than half a voxel (geometry/smooth_surface.h) or not at all.
+/// Whether two skins have corresponding vertices: the same triangles, and vertices that smoothing
+/// moved by at most half a voxel (geometry/smooth_surface.h).
 bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b,
                   double voxel_mm) {
   if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
@@ -43,7 +43,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
   LEFORT_TRY_VOID(io::remove_earlier_files(std::array{document, file}));
-  // A preview is of any motion: the plan's paths neither matter nor may stand in its way.
+  // A preview is for any motion: the plan's paths are not used and must not cause an error.
   for (plan::PlannedSegment& segment : plan.segments) {
     segment.path.keyframes = {geometry::Keyframe{}};
     segment.path.steps = 1;
@@ -54,9 +54,9 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY(const geometry::TriangleMesh skin_L, io::read_surface(job.skin));
   if (!is_same_skin(skin_L, prepared.skin_L, prepared.scan_grid.spacing_mm.maxCoeff()))
     return fail(ErrorCode::kPlanInvalid,
-                "the skin was made with other thresholds or labels than the plan's: make the "
-                "anatomy again (segment)");
-  progress.begin_stage("linearise at rest");
+                "the skin was made with other thresholds or labels than the plan's: "
+                "run the job segment again");
+  progress.begin_stage("linearize about the reference configuration");
   LEFORT_TRY(const predict::PreviewModel model,
              predict::make_preview_model(prepared.model, prepared.skin_L, prepared.plan.tissue,
                                          prepared.plan.boundary, prepared.scan_grid.spacing_mm));

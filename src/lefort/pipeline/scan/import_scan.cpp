@@ -19,7 +19,7 @@ io::ImportOptions options_of(const ImportJob& job) {
   return {.series = job.series, .credentials = {.user = job.user, .password = job.password}};
 }
 
-/// Where the voxels lie in the patient, and how the slices lay before.
+/// Grid of the voxels, and the orientation of the original slices.
 nlohmann::json geometry_json(const io::ImportedVolume& scan) {
   const image::Grid& grid = scan.ct.grid;
   const Vec3 extent_mm = Vec3(double(grid.size[0]), double(grid.size[1]), double(grid.size[2]))

@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kGantryTilt_deg = 15.0;   // Gantries tilt by up to 30.
-const Vec3 kOblique_deg(-11.0, 5.0, 8.0);  // Turned about x, y, z; the chin stays in view.
+const Vec3 kOblique_deg(-11.0, 5.0, 8.0);  // About x, y, z; the chin stays in the scanned volume.
 
-/// `grid` with its axes turned about the middle of its voxels.
+/// `grid` rotated about its center.
 image::Grid turned(image::Grid grid, const Mat3& rotation) {
   const Vec3 last(double(grid.size[0] - 1), double(grid.size[1] - 1), double(grid.size[2] - 1));
   const Vec3 middle_L = grid.point_L(0.5 * last);
@@ -42,7 +42,7 @@ std::vector<image::Grid> slices_of(PhantomVariant variant, double voxel_mm) {
                             about(kOblique_deg.x(), Vec3::UnitX()));
   if (variant == PhantomVariant::kFeetFirst) grid = turned(grid, about(180.0, Vec3::UnitY()));
   const Vec3 feed_mm = grid.direction.col(2) * grid.spacing_mm.z();
-  // The gantry tilts, the table still moves along the patient: the slices slide sideways.
+  // The gantry is tilted and the table moves along the patient: the slices are sheared.
   if (variant == PhantomVariant::kTilted)
     grid = turned(grid, about(kGantryTilt_deg, Vec3::UnitX()));
   std::vector<image::Grid> slices;
@@ -57,10 +57,10 @@ std::vector<image::Grid> slices_of(PhantomVariant variant, double voxel_mm) {
   return slices;
 }
 
-/// Shuffled names have no ending and another order than the slices.
+/// Shuffled names have no ending, and their order is not that of the slices.
 std::string name_of(PhantomVariant variant, Index k, Index count) {
   if (variant != PhantomVariant::kShuffled) return fmt::format("slice-{:04}.dcm", k + 1);
-  Index step = count / 2 + 1;  // Coprime to the count, so that no two names are alike.
+  Index step = count / 2 + 1;  // Coprime to the count, so that all names differ.
   while (std::gcd(step, count) != 1) ++step;
   return fmt::format("IM{:06}", k * step % count);
 }
@@ -72,7 +72,7 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   std::error_code error;
   if (fs::exists(dicom, error) && !fs::is_empty(dicom, error))
     return fail(ErrorCode::kFileUnwritable,
-                fmt::format("{} holds files already, expected an empty folder", dicom.string()));
+                fmt::format("{} is not empty, expected an empty folder", dicom.string()));
   const io::EmptyFolderCleanup none_left(dicom);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(io::make_output_folder(dicom));
@@ -96,7 +96,7 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
       io::write_segmentation(job.output / "labels.seg.nrrd",
                              anatomy::synthetic_labels(anatomy::synthetic_grid(job.voxel_mm))));
   Summary summary;
-  summary.text = fmt::format("{}: {} slices in dicom, and what they show in labels.seg.nrrd",
+  summary.text = fmt::format("{}: {} slices in dicom, and their labels in labels.seg.nrrd",
                              job.output.string(), slices.size());
   summary.json = {{"output", job.output.string()}, {"slices", slices.size()}};
   return summary;

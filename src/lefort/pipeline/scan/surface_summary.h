@@ -1,5 +1,5 @@
 /// \file
-/// What a command prints of a surface made from a scan.
+/// Summary of a surface made from a scan.
 #pragma once
 
 #include <lefort/mesh/finish_surface.h>

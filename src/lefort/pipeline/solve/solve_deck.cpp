@@ -64,21 +64,21 @@ Result<void> check_obstacle_files(const io::DeckFile& file) {
   for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
     std::error_code error;
     if (!fs::is_regular_file(file.obstacles[i].file, error))
-      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: there is no file {}", i,
+      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: file {} does not exist", i,
                                                         file.obstacles[i].file.string()));
   }
   return {};
 }
 
-/// All files that a deck is made of.
+/// The deck and all files that it names.
 std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file) {
   std::vector<fs::path> files{job.deck, file.mesh};
   for (const io::ObstacleFile& obstacle : file.obstacles) files.push_back(obstacle.file);
   return files;
 }
 
-/// A tree of boxes reaches everywhere unless told otherwise.
-constexpr double kNoEnd_mm = std::numeric_limits<double>::infinity();
+/// Unless the deck has a band, queries by BVH have no largest distance.
+constexpr double kUnlimited_mm = std::numeric_limits<double>::infinity();
 
 using DistanceQueryPtr = std::shared_ptr<const contact::DistanceQuery>;
 
@@ -88,12 +88,12 @@ Result<DistanceQueryPtr> detect_obstacle(const io::ObstacleFile& file,
   if (detection == contact::DetectionMethod::kBvh) {
     if (is_field)
       return fail(ErrorCode::kInvalidArgument,
-                  "detection bvh needs the surface, not its distance field");
+                  "detection bvh requires the surface, not its distance field");
     LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
     LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
     return contact::bvh_distance_query(
         std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
-        file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
+        file.options.band_mm > 0.0 ? file.options.band_mm : kUnlimited_mm);
   }
   const auto shared = [&](field::DistanceField field) {
     return contact::field_distance_query(
@@ -134,13 +134,13 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
     line += fmt::format(", {} nodes in contact", contact.nodes);
     const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
     if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
-      line += fmt::format(" {:.3g} mm deep (P99), deeper than {:g} mm",
+      line += fmt::format(" with a P99 of the penetration increase of {:.3g} mm, above {:g} mm",
                           contact.p99_depth_from_rest_mm, *tolerance_mm);
   }
   return line;
 }
 
-/// A run that ended early has its results written; how it is told.
+/// The error of a run that ended early, whose results are written.
 tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run,
                                   const SolveWriter& writer) {
   const Error& failure = *run.failure;
@@ -150,7 +150,7 @@ tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run
                : std::string("no increment converged");
   const std::string json = (job.output / "solve.json").string();
   if (failure.code == ErrorCode::kCancelled)
-    return fail(failure.code, fmt::format("stopped when asked to; {}; see {}", kept, json));
+    return fail(failure.code, fmt::format("stopped on request; {}; see {}", kept, json));
   return fail(failure.code,
               fmt::format("{}; {}; the solver's history is in {}", failure.message, kept, json));
 }
@@ -158,7 +158,7 @@ tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run
 Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepared) {
   Summary summary;
   summary.text = fmt::format(
-      "{}: {} nodes, {} elements, {} components held; nothing is wrong with it", job.deck.string(),
+      "{}: {} nodes, {} elements, {} prescribed components; the deck is valid", job.deck.string(),
       prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.prescribed.size());
   summary.json = {{"deck", job.deck.string()},
                   {"nodes", prepared.mesh.node_count()},
@@ -168,46 +168,46 @@ Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepare
   return summary;
 }
 
-}  // namespace
+Error in_deck(const SolveJob& job, const Error& error) {
+  return {error.code, fmt::format("deck {}: {}", job.deck.string(), error.message)};
+}
 
-Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
-  PhaseClock clock;
-  clock.begin("read");
-  progress.begin_stage("read");
-  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
-  const io::DeckFile& file = text.file;
-  io::note_warnings(file.warnings, progress);
+Result<solve::PreparedDeck> read_and_prepare(const SolveJob& job, const io::DeckFile& file) {
   LEFORT_TRY_VOID(check_obstacle_files(file));
   LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
-  Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
-  if (!checked)
-    return fail(checked.error().code,
-                fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
-  solve::PreparedDeck prepared = *std::move(checked);
+  Result<solve::PreparedDeck> prepared = solve::prepare_deck(std::move(mesh), file.deck);
+  if (!prepared) return tl::unexpected(in_deck(job, prepared.error()));
+  return prepared;
+}
 
-  clock.begin("obstacles");
+/// Adds warnings on the obstacles to those of the deck, and reports all.
+Result<solve::ObstacleDistanceQueries> prepare_obstacles(const SolveJob& job,
+                                                         const io::DeckFile& file,
+                                                         solve::PreparedDeck& prepared,
+                                                         Progress& progress) {
   if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
-  LEFORT_TRY(const solve::ObstacleDistanceQueries distance_queries,
-             detect_obstacles(file, progress));
-  const auto overlaps = solve::check_obstacles(prepared, distance_queries);
-  if (!overlaps)
-    return fail(overlaps.error().code,
-                fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
+  LEFORT_TRY(solve::ObstacleDistanceQueries queries, detect_obstacles(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, queries);
+  if (!overlaps) return tl::unexpected(in_deck(job, overlaps.error()));
   prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
-  if (!job.quiet)
-    for (std::size_t i = 0; i < distance_queries.size(); ++i)
-      progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
-                                prepared.deck.obstacles[i].name,
-                                contact::name_of(prepared.deck.obstacles[i].detection),
-                                kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
-  if (job.check_only) return summary_of_check(job, prepared);
+  if (job.quiet) return queries;
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
+                              prepared.deck.obstacles[i].name,
+                              contact::name_of(prepared.deck.obstacles[i].detection),
+                              kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
+  return queries;
+}
 
-  clock.begin("read");
-
+/// Solves the deck and writes its results as they are computed.
+Result<Summary> solve_and_write(const SolveJob& job, const io::DeckFile& file,
+                                const solve::PreparedDeck& prepared,
+                                const solve::ObstacleDistanceQueries& queries, PhaseClock& clock,
+                                Progress& progress) {
   LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
-  const io::EmptyFolderCleanup none_left(job.output);
+  const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);
@@ -230,8 +230,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
     clock.begin("diagnosis");
     return {};
   };
-  LEFORT_TRY(const solve::DeckRun run,
-             solve::run_deck(prepared, distance_queries, watch, progress));
+  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, queries, watch, progress));
   clock.begin("output");
   LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
   if (!run.completed()) return ended_early(job, run, writer);
@@ -243,6 +242,25 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
       prepared.mesh.element_count(), peak_memory_mb());
   summary.json = json;
   return summary;
+}
+
+}  // namespace
+
+Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
+  PhaseClock clock;
+  clock.begin("read");
+  progress.begin_stage("read");
+  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
+  io::note_warnings(text.file.warnings, progress);
+  LEFORT_TRY(solve::PreparedDeck prepared, read_and_prepare(job, text.file));
+
+  clock.begin("obstacles");
+  LEFORT_TRY(const solve::ObstacleDistanceQueries queries,
+             prepare_obstacles(job, text.file, prepared, progress));
+  if (job.check_only) return summary_of_check(job, prepared);
+
+  clock.begin("read");
+  return solve_and_write(job, text.file, prepared, queries, clock, progress);
 }
 
 }  // namespace lefort::pipeline

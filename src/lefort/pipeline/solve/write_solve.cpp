@@ -58,7 +58,7 @@ void add_element_fields(const io::WrittenFields& wanted,
         }));
 }
 
-/// Pressure and gap at the nodes that may touch an obstacle; elsewhere 0 and NaN.
+/// Pressure and gap at the nodes of contact faces; elsewhere 0 and NaN.
 void add_contact_fields(const std::string& obstacle,
                         const std::vector<contact::NodalContact>& touched, Index nodes,
                         io::VtuFields& fields) {
@@ -105,7 +105,7 @@ bool is_step_file(std::string_view name) {
   return name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Names of the step files that a series in the folder lists.
+/// Names of the step files listed in a series in the folder.
 std::set<std::string> listed_steps(const fs::path& folder) {
   constexpr std::string_view kFile = "file=\"";
   constexpr std::uintmax_t kMaxSeries = 100'000'000;
@@ -122,7 +122,7 @@ std::set<std::string> listed_steps(const fs::path& folder) {
   return names;
 }
 
-/// Those of the files which a run writes that are in the folder, solve.json first.
+/// Result files in the folder, solve.json first.
 std::vector<fs::path> result_files(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -148,20 +148,20 @@ Result<void> spare_inputs(const fs::path& folder, std::span<const fs::path> inpu
     for (const fs::path& input : inputs)
       if (fs::equivalent(file, input, error))
         return fail(ErrorCode::kFileUnwritable,
-                    fmt::format("{} is read by this run and would be overwritten, output folder "
-                                "must be another",
+                    fmt::format("{} is read by this run and would be overwritten; choose another "
+                                "output folder",
                                 file.string()));
   return {};
 }
 
 Result<void> remove_solve_results(const fs::path& folder) {
   const std::vector<fs::path> files = result_files(folder);
-  const std::set<std::string> steps = listed_steps(folder);  // Every run writes one at least.
+  const std::set<std::string> steps = listed_steps(folder);  // Every run writes at least one.
   for (const fs::path& file : files) {
     const std::string name = file.filename().string();
     if (is_step_file(name) ? !steps.contains(name) : steps.empty())
       return fail(ErrorCode::kFileUnwritable,
-                  fmt::format("{} is there, and no {} of an earlier run tells that it is lefort's; "
+                  fmt::format("{} exists, and no {} of an earlier run lists it; "
                               "move it or choose another output folder",
                               file.string(), kSeries));
   }

@@ -1,5 +1,5 @@
 /// \file
-/// Puts a run of `lefort solve` into its folder, step by step.
+/// Writes a run of `lefort solve` into its folder, step by step.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,25 +18,25 @@
 
 namespace lefort::pipeline {
 
-/// Refuses a folder where results would take the place of what the run is made from.
+/// Checks that results do not overwrite inputs of the run.
 ///
 /// \param inputs  files that are read.
 /// \returns nothing, or kFileUnwritable, naming the file.
 [[nodiscard]] Result<void> spare_inputs(const std::filesystem::path& folder,
                                         std::span<const std::filesystem::path> inputs);
 
-/// Takes an earlier run's results out of a folder, solve.json first.
+/// Removes the results of an earlier run, solve.json first.
 ///
-/// Its own are the steps that solve.pvd or solve_incomplete.pvd lists, and what stands beside such
-/// a list. A file of a result's name that is not one of them is somebody's own and not touched.
+/// These are the steps listed in solve.pvd or solve_incomplete.pvd, and the other result files
+/// beside such a list. A file with the name of a result that is not one of them is not removed.
 ///
 /// \returns nothing, or kFileUnwritable: there is such a file, or a result cannot be removed.
 [[nodiscard]] Result<void> remove_solve_results(const std::filesystem::path& folder);
 
-/// Writes step_NNNN.vtu as increments come, and the rest at the end.
+/// Writes step_NNNN.vtu after each increment, and the other files at the end.
 ///
 /// The series is solve_incomplete.pvd until the run has reached time 1, and solve.pvd from then on,
-/// so that nothing that ended early can pass for the result.
+/// so that an incomplete run is not taken for a complete one.
 class SolveWriter {
  public:
   /// \param file, prepared  must outlive the writer.
@@ -44,20 +44,20 @@ class SolveWriter {
               const solve::PreparedDeck& prepared)
       : folder_(std::move(folder)), file_(file), prepared_(prepared) {}
 
-  /// The body at rest, step 0.
+  /// Writes the reference configuration, step 0.
   [[nodiscard]] Result<void> begin();
 
-  /// The mesh, if the deck wants it at this time; the rest is remembered.
+  /// Writes the mesh, if the deck requests it at this time, and stores the values of the increment.
   [[nodiscard]] Result<void> add(const solve::Increment& increment);
 
-  /// The last converged mesh if it was not written yet, probes.csv, and, last of all, solve.json:
-  /// where it is, all the rest is.
-  /// \returns what stands in solve.json.
+  /// Writes the last converged mesh, unless it is written already, probes.csv, and last solve.json,
+  /// which shows that all files are complete.
+  /// \returns the content of solve.json.
   [[nodiscard]] Result<nlohmann::ordered_json> finish(const SolveInputs& inputs,
                                                       const solve::DeckRun& run,
                                                       const PhaseClock& clock);
 
-  /// The last mesh that was written: once finish() is done, the last that converged.
+  /// File of the last mesh that was written; after finish(), of the last converged increment.
   [[nodiscard]] std::filesystem::path last_step() const;
 
  private:

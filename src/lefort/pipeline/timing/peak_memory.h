@@ -1,10 +1,10 @@
 /// \file
-/// How much memory this process has held at most.
+/// Peak memory of this process.
 #pragma once
 
 namespace lefort::pipeline {
 
-/// Resident, in MiB, since the process began.
+/// Largest resident memory since the process started, in MiB.
 [[nodiscard]] double peak_memory_mb();
 
 }  // namespace lefort::pipeline

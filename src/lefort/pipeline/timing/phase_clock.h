@@ -1,5 +1,5 @@
 /// \file
-/// Where the seconds of a solve go.
+/// Run time of each phase of a solve.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace lefort::pipeline {
 
-/// Adds up the time spent in each of some named phases, of which one runs at a time.
+/// Sums the time of named phases, of which one runs at a time.
 class PhaseClock {
  public:
   /// Ends the current phase and begins `name`.
@@ -23,8 +23,8 @@ class PhaseClock {
     seconds_.emplace_back(name, 0.0);
   }
 
-  /// Name and seconds of each phase, in the order in which they first began; the current one's up
-  /// to its last beginning.
+  /// Name and seconds of each phase, in order of first use. The current period of the current phase
+  /// is not included.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& seconds() const {
     return seconds_;
   }

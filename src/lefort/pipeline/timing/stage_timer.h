@@ -1,5 +1,5 @@
 /// \file
-/// Progress that also remembers how long each stage took.
+/// Progress that measures the time of each stage.
 #pragma once
 
 #include <lefort/core/progress.h>
@@ -13,7 +13,7 @@
 
 namespace lefort::pipeline {
 
-/// Hands everything on to another Progress.
+/// Forwards everything to another Progress.
 class StageTimer final : public Progress {
  public:
   explicit StageTimer(Progress& shown) : shown_(shown) {}
@@ -28,7 +28,7 @@ class StageTimer final : public Progress {
   void note(std::string_view sentence) override { shown_.note(sentence); }
   [[nodiscard]] bool stop_requested() const override { return shown_.stop_requested(); }
 
-  /// The same added up by name, and all of them, as JSON writers want them.
+  /// Seconds by name, and their total, as JSON.
   [[nodiscard]] nlohmann::ordered_json seconds_json() {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     double total = 0.0;

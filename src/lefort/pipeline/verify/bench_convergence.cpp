@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A plan once for each number of steps.
+/// Copies of a plan, one for each number of steps.
 Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
                                                      const ConvergenceJob& job,
                                                      Progress& progress) {
@@ -26,8 +26,9 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
   std::error_code error;
   if (!ct || !fs::exists(*ct, error))
     return fail(ErrorCode::kFileNotFound,
-                fmt::format("plan {} has no scan, name it by --ct", plan_file.string()));
-  text.plan.contact.detection = contact::DetectionMethod::kSmooth;  // Its field serves all methods.
+                fmt::format("plan {} has no scan: set --ct", plan_file.string()));
+  text.plan.contact.detection =
+      contact::DetectionMethod::kSmooth;  // All methods can use its field.
   if (job.element_size_mm) {
     predict::TissueOptions& tissue = text.plan.tissue;
     tissue.far_element_size_mm *= *job.element_size_mm / tissue.element_size_mm;
@@ -61,7 +62,7 @@ Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::
     const auto found = std::find_if(known.begin(), known.end(),
                                     [&](const auto& method) { return method.name == name; });
     if (found == known.end())
-      return fail(ErrorCode::kInvalidArgument, fmt::format("there is no method {}", name));
+      return fail(ErrorCode::kInvalidArgument, fmt::format("unknown method {}", name));
     chosen.push_back(*found);
   }
   return chosen;

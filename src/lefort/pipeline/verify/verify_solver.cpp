@@ -40,16 +40,16 @@ std::string command_of(const VerifyJob& job) {
 
 constexpr const char* kReport = "verification.md";
 
-/// Refuses to put a part of the suite, or its short form, in the place of a whole report.
+/// Checks that a part of the suite, or its short form, does not overwrite a full report.
 Result<void> spare_full_report(const VerifyJob& job) {
   constexpr std::uintmax_t kMaxReport = 100'000'000;
   if (job.full && job.only.empty()) return {};
   const Result<std::string> there = io::read_text(job.output / kReport, kMaxReport);
-  constexpr const char* kWhole = "`lefort verify --full`";  // As command_of() tells it.
+  constexpr const char* kWhole = "`lefort verify --full`";  // As command_of() returns it.
   if (!there || there->find(kWhole) == std::string::npos) return {};
   return fail(ErrorCode::kFileUnwritable,
-              fmt::format("{} was made by {} and tells more than this run would, output folder "
-                          "must be another",
+              fmt::format("{} is a full report, made by {}; choose another "
+                          "output folder",
                           (job.output / kReport).string(), kWhole));
 }
 

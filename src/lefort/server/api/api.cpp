@@ -73,9 +73,10 @@ void Api::stop() {
 Result<void> Api::begin_with_example() {
   if (there_is(served_->folder.ct())) return {};
   if (!served_->example)
-    return fail(ErrorCode::kFileNotFound,
-                "the example's scan is not there: install Debian's invesalius-examples, or name "
-                "it with --example");
+    return fail(
+        ErrorCode::kFileNotFound,
+        "the scan of the example is not installed: install Debian's invesalius-examples, or "
+        "set --example");
   LEFORT_TRY_VOID(served_->jobs.submit("import", {{"example", true}}));
   LEFORT_TRY_VOID(served_->jobs.submit("segment", nlohmann::json::object()));
   return {};
@@ -93,8 +94,9 @@ Response Api::handle(const Request& request) {
       is_other_method = true;
     }
   if (is_other_method)
-    return error_response(405, "not_allowed", "this cannot be done with what is there", "method");
-  return error_response(404, "not_found", "there is nothing of that name", "path");
+    return error_response(405, "not_allowed", "this method is not supported for this path",
+                          "method");
+  return error_response(404, "not_found", "not found", "path");
 }
 
 }  // namespace lefort::server

@@ -1,6 +1,6 @@
 /// \file
-/// What contract/openapi.json describes: requests about one case, answered from its folder. It
-/// knows no socket; http_server.h brings the requests.
+/// The API of contract/openapi.json: answers requests about one case from its folder, independent
+/// of the transport (http_server.h).
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -20,10 +20,10 @@ inline constexpr std::string_view kApiPrefix = "/api/v1";
 
 struct ServedCase;
 
-/// One case. Safe from many threads.
+/// One case. Thread-safe.
 class Api {
  public:
-  /// \param example  the scan that is imported on wish.
+  /// \param example  scan of the bundled example.
   Api(CaseFolder folder, std::optional<std::filesystem::path> example,
       UploadLimits upload_limits = {});
   ~Api();
@@ -35,15 +35,15 @@ class Api {
 
   [[nodiscard]] const std::filesystem::path& folder() const;
 
-  /// Events of pages that listen.
+  /// The event log.
   [[nodiscard]] EventLog& events();
 
-  /// Imports and segments the example, unless there is a scan.
+  /// Imports and segments the example, unless the case has a scan.
   ///
   /// \returns kFileNotFound if the example is not installed.
   [[nodiscard]] Result<void> begin_with_example();
 
-  /// Ends what runs, and tells listeners.
+  /// Stops the running job and notifies listeners.
   void stop();
 
   /// A method and a path as in the contract: "GET", "/jobs/{job}".

@@ -1,5 +1,5 @@
 /// \file
-/// contract/openapi.json inside the program: what comes in is held against it.
+/// contract/openapi.json, embedded in the program. Requests are validated against it.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,10 +14,10 @@ namespace lefort::server {
 /// The document.
 [[nodiscard]] const nlohmann::json& contract();
 
-/// Parses a text and checks it against one of the contract's schemas.
+/// Parses a text and validates it against one of the contract's schemas.
 ///
-/// \param schema  its name in components/schemas, which is there.
-/// \returns kPlanInvalid with the key and what is wrong with it.
+/// \param schema  existing name in components/schemas.
+/// \returns kPlanInvalid with the key and the error.
 [[nodiscard]] Result<nlohmann::json> parse_by_contract(std::string_view text,
                                                        const std::string& schema);
 

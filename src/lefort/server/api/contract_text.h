@@ -1,5 +1,5 @@
 /// \file
-/// Files that travel inside the program; cmake/embed_files.py writes their texts.
+/// Files embedded in the program by cmake/embed_files.py.
 #pragma once
 
 #include <string_view>

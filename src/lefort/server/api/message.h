@@ -1,5 +1,5 @@
 /// \file
-/// A request and its reply, whatever carries them: what the API is written and tested against.
+/// Request and response, independent of the transport.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,7 +19,7 @@
 
 namespace lefort::server {
 
-/// Takes a piece of a body; false: send no more.
+/// Receives a piece of a body. \returns false to stop.
 using BodyTaker = std::function<bool(std::string_view piece)>;
 
 struct Request {
@@ -28,14 +28,14 @@ struct Request {
   std::map<std::string, std::string> query;   ///< Decoded; the first of equal names.
   std::map<std::string, std::string> header;  ///< Names in lower case.
   std::uint64_t content_length = 0;
-  /// Hands the body over in pieces; false if it did not arrive whole. May be called once.
+  /// Passes the body on in pieces; false if it is incomplete. May be called once.
   std::function<bool(const BodyTaker&)> read_body;
 
-  /// The header, or an empty text.
+  /// The value of a header, or an empty text.
   [[nodiscard]] const std::string& header_or_empty(const std::string& lower_case_name) const;
 };
 
-/// Bytes that something keeps alive.
+/// Bytes with shared ownership.
 struct SharedBytes {
   std::shared_ptr<const void> owner;
   std::string_view bytes;
@@ -47,24 +47,24 @@ struct Response {
   int status = 200;
   std::string type = "application/json";
   std::vector<std::pair<std::string, std::string>> headers{};
-  std::string text{};                               ///< The body, if none of those below is.
-  std::optional<SharedBytes> bytes = std::nullopt;  ///< A large body.
+  std::string text{};  ///< The body, unless `bytes`, `file` or events are set.
+  std::optional<SharedBytes> bytes = std::nullopt;           ///< A large body.
   std::optional<std::filesystem::path> file = std::nullopt;  ///< A body that is a file.
-  /// Events without end follow, those after this id.
+  /// Event stream, from the event after this id.
   std::optional<std::string> events_after = std::nullopt;
 };
 
 [[nodiscard]] Response json_response(const nlohmann::json& json, int status = 200);
 [[nodiscard]] Response binary_response(SharedBytes bytes);
 
-/// Why something is refused: contract/openapi.json, Error.
+/// Error response (contract/openapi.json, Error).
 ///
 /// \param message  one line; further ones are joined.
-/// \param where    what it is about; may be empty.
+/// \param where    parameter, header or key in error; may be empty.
 [[nodiscard]] Response error_response(int status, std::string_view code, std::string_view message,
                                       std::string_view where = "");
 
-/// An error of the library, told to a client.
+/// Error response for an error of the library.
 [[nodiscard]] Response error_response(const Error& error, std::string_view where = "");
 
 }  // namespace lefort::server

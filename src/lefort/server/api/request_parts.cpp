@@ -49,7 +49,7 @@ Result<int> query_number(const Request& request, const std::string& name, int ot
   if (found == request.query.end()) return otherwise;
   if (const auto number = number_of(found->second, lowest, highest)) return *number;
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} must be a whole number from {} to {}", name, lowest, highest));
+              fmt::format("{} must be an integer from {} to {}", name, lowest, highest));
 }
 
 Body read_body(const Request& request, std::uint64_t max_bytes, std::string_view type) {
@@ -68,7 +68,7 @@ Body read_body(const Request& request, std::uint64_t max_bytes, std::string_view
     return true;
   });
   if (!is_whole || text.size() != request.content_length)
-    return {std::nullopt, error_response(400, "bad_request", "the body did not arrive whole")};
+    return {std::nullopt, error_response(400, "bad_request", "the request body is incomplete")};
   return {std::move(text), {}};
 }
 
@@ -84,12 +84,11 @@ std::optional<Response> check_precondition(const Request& request,
                                            const std::optional<std::string>& etag) {
   const std::string& sent = request.header_or_empty("if-match");
   if (sent.empty())
-    return error_response(428, "no_precondition", "If-Match must say what this replaces",
+    return error_response(428, "no_precondition", "If-Match must name the version to replace",
                           "If-Match");
   if (sent == "*" || sent == etag) return std::nullopt;
   return with_etag(
-      error_response(412, "stale", "another page has changed this since: fetch it again",
-                     "If-Match"),
+      error_response(412, "stale", "this was changed by another page: reload it", "If-Match"),
       etag);
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// What routes ask of a request before they work: its numbers, its body, what it knows already.
+/// Parsing and checking of numbers, bodies and preconditions of requests.
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -13,28 +13,28 @@
 
 namespace lefort::server {
 
-inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as the contract says.
+inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as in the contract.
 
 [[nodiscard]] Response empty_reply();
 [[nodiscard]] Response not_modified(const std::optional<std::string>& etag);
 [[nodiscard]] Response not_found(std::string_view what);
 [[nodiscard]] Response with_etag(Response reply, const std::optional<std::string>& etag);
 
-/// Whether the client has it already.
+/// Whether the client has this version (If-None-Match).
 [[nodiscard]] bool is_not_modified(const Request& request, const std::optional<std::string>& etag);
 
-/// Nothing if the client knows what it replaces; else why it is refused.
+/// Nothing if If-Match names the present version; else the error response.
 [[nodiscard]] std::optional<Response> check_precondition(const Request& request,
                                                          const std::optional<std::string>& etag);
 
-/// A whole number in decimal digits within bounds.
+/// An integer in decimal digits within bounds.
 [[nodiscard]] std::optional<int> number_of(std::string_view text, int lowest, int highest);
 
-/// A query's whole number, or `otherwise` if it is not there.
+/// An integer parameter of the query, or `otherwise` if it is missing.
 [[nodiscard]] Result<int> query_number(const Request& request, const std::string& name,
                                        int otherwise, int lowest, int highest);
 
-/// A body, or why it is refused.
+/// A body, or the error response.
 struct Body {
   std::optional<std::string> text;
   Response refused;
@@ -42,7 +42,7 @@ struct Body {
 [[nodiscard]] Body read_body(const Request& request, std::uint64_t max_bytes,
                              std::string_view type);
 
-/// A body that fits a schema of the contract, or why it is refused.
+/// A body that matches a schema of the contract, or the error response.
 struct JsonBody {
   std::optional<nlohmann::json> value;
   std::string text;

@@ -1,6 +1,5 @@
 /// \file
-/// The routes of contract/openapi.json: by what they serve, one file a group, and one function that
-/// tells the group's table.
+/// The routes of contract/openapi.json in groups, one file and one function for each group.
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -14,7 +13,7 @@ namespace lefort::server {
 
 struct ServedCase;
 
-/// Values of a path's parameters, in their order.
+/// Values of the parameters in a path, in order.
 using PathValues = std::vector<std::string>;
 
 struct Route {
@@ -22,16 +21,16 @@ struct Route {
   Response (*handle)(ServedCase& served, const Request& request, const PathValues& values);
 };
 
-[[nodiscard]] std::span<const Route> case_routes();        ///< What there is, and how it stands.
+[[nodiscard]] std::span<const Route> case_routes();        ///< State of the case.
 [[nodiscard]] std::span<const Route> job_routes();         ///< Uploads, jobs, events.
 [[nodiscard]] std::span<const Route> scan_routes();        ///< Voxels and their labels.
-[[nodiscard]] std::span<const Route> boundary_routes();    ///< What is painted on the tissue.
-[[nodiscard]] std::span<const Route> surface_routes();     ///< Skin, skull, bones as cut.
-[[nodiscard]] std::span<const Route> landmark_routes();    ///< Landmarks and what they measure.
+[[nodiscard]] std::span<const Route> boundary_routes();    ///< Painted boundary conditions.
+[[nodiscard]] std::span<const Route> surface_routes();     ///< Skin, skull, cut bones.
+[[nodiscard]] std::span<const Route> landmark_routes();    ///< Landmarks and measurements.
 [[nodiscard]] std::span<const Route> plan_routes();        ///< The plan, its path, templates.
 [[nodiscard]] std::span<const Route> movement_routes();    ///< Overlap and preview while dragging.
-[[nodiscard]] std::span<const Route> prediction_routes();  ///< What was solved, step by step.
+[[nodiscard]] std::span<const Route> prediction_routes();  ///< Steps of the prediction.
 [[nodiscard]] std::span<const Route> comparison_routes();  ///< The face after surgery.
-[[nodiscard]] std::span<const Route> file_routes();        ///< Files to be taken home.
+[[nodiscard]] std::span<const Route> file_routes();        ///< Files for download.
 
 }  // namespace lefort::server

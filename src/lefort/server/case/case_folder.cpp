@@ -48,29 +48,31 @@ json cutting_part(const json& plan) {
   return part;
 }
 
-/// What made a document of a check or a prediction says of the plan; empty if all fits.
+/// Why a check or a prediction does not match the plan; empty if it matches.
 std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
   const auto now = folder.fingerprint(folder.plan());
-  if (!now) return "the plan is gone";
+  if (!now) return "the plan was removed";
   const auto text = io::read_text(folder.plan(), kMaxDocument);
   if (!text || member(inputs, "plan_sha256") != io::Sha256().add(*text).hex())
-    return "the plan was changed since";
+    return "the plan changed after this was computed";
   for (const json& file : member(inputs, "plan_files")) {
     const json& name = member(file, "file");
     if (!name.is_string()) continue;
     const auto sha256 = folder.fingerprint(folder.root() / name.get<std::string>());
     if (!sha256 || member(file, "sha256") != *sha256)
-      return fmt::format("{} was changed since", name.get<std::string>());
+      return fmt::format("{} changed after this was computed", name.get<std::string>());
   }
   return "";
 }
 
 const char* in_words(const std::string& input) {
-  if (input == "ct") return "the scan was replaced since";
-  if (input == "labels") return "the labels were edited since: make the surfaces again";
-  if (input == "prediction") return "the prediction was made anew since";
-  if (input == "cut") return "the plan's cuts, landmarks or thresholds were changed since";
-  return "the plan's tissue or boundaries were changed since";
+  if (input == "ct") return "the scan was replaced after this was computed";
+  if (input == "labels")
+    return "the labels changed after the surfaces were made: make the surfaces again";
+  if (input == "prediction") return "the prediction changed after this was computed";
+  if (input == "cut")
+    return "the plan's cuts, landmarks or thresholds changed after this was computed";
+  return "the plan's tissue or boundaries changed after this was computed";
 }
 
 }  // namespace
@@ -90,7 +92,8 @@ Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
   std::error_code error;
   const bool is_new = !fs::exists(folder, error);
   LEFORT_TRY_VOID(io::make_output_folder(folder));
-  if (is_new) fs::permissions(folder, fs::perms::owner_all, error);  // A patient's: nobody else's.
+  if (is_new)
+    fs::permissions(folder, fs::perms::owner_all, error);  // Patient data: for the owner alone.
   const fs::path root = fs::canonical(folder, error);
   if (error)
     return fail(ErrorCode::kFileUnwritable, fmt::format("case folder {} cannot be opened: {}",
@@ -104,7 +107,7 @@ Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
     return fail(ErrorCode::kFileUnwritable,
                 fmt::format("case folder {} is in use by another lefort serve", folder.string()));
   }
-  fs::remove_all(root / "uploads", error);  // Of a server that was killed.
+  fs::remove_all(root / "uploads", error);  // Left by a server that was killed.
   return CaseFolder(root, lock);
 }
 
@@ -120,7 +123,7 @@ CaseFolder::CaseFolder(CaseFolder&& other) noexcept
 CaseFolder::~CaseFolder() {
   if (lock_ < 0) return;
   std::error_code error;
-  fs::remove_all(uploads(), error);  // While no other server can be at it.
+  fs::remove_all(uploads(), error);  // The lock is still held.
   ::close(lock_);
 }
 
@@ -139,7 +142,7 @@ std::optional<std::string> CaseFolder::fingerprint(const fs::path& file) const {
     const auto known = known_.find(file);
     if (known != known_.end() && known->second.identity == identity) return known->second.sha256;
   }
-  auto sha256 = io::sha256_of_file(file);  // Others need not wait for a large file.
+  auto sha256 = io::sha256_of_file(file);  // Without the lock: a large file takes time.
   if (!sha256) return std::nullopt;
   const std::scoped_lock lock(*mutex_);
   known_[file] = {identity, *sha256};
@@ -205,7 +208,7 @@ Result<void> CaseFolder::forget_result(std::string_view stage) const {
 }
 
 json CaseFolder::stage(std::string_view stage) const {
-  constexpr const char* kNothing = "nothing was made yet";
+  constexpr const char* kNothing = "does not exist yet";
   const auto document = [&]() -> fs::path {
     if (stage == "scan") return ct();
     if (stage == "anatomy") return anatomy() / "skin.vtp";
@@ -229,11 +232,11 @@ json CaseFolder::stage(std::string_view stage) const {
   const json recorded_inputs = read_object(root_ / "stages.json");
   if (const json& then = member(recorded_inputs, std::string(stage).c_str()); then.is_object()) {
     const auto now = inputs_of(stage);
-    if (!now) return state("stale", "what it was made of is gone", tag);
+    if (!now) return state("stale", "an input of this result was removed", tag);
     for (const auto& [input, sha256] : *now)
       if (member(then, input.c_str()) != sha256) return state("stale", in_words(input), tag);
   } else if (stage != "check" && stage != "prediction") {
-    return state("stale", "it is not known of what it was made", tag);
+    return state("stale", "the inputs of this result are not known", tag);
   }
   if (stage == "prediction")
     if (const auto current = io::check_prediction_version(read_object(document)); !current)
@@ -242,7 +245,7 @@ json CaseFolder::stage(std::string_view stage) const {
     const std::string why = plan_mismatch(member(read_object(document), "inputs"), *this);
     if (!why.empty()) return state("stale", why, tag);
     if (document.filename() == "failure.json")
-      return state("unconverged", "the solver found no equilibrium on the way", tag);
+      return state("unconverged", "the solver found no equilibrium along the path", tag);
   }
   return state("fresh", "", tag);
 }
@@ -254,10 +257,10 @@ bool names_boundary(const json& plan) {
 Result<void> check_files_of_plan(const std::string& text) {
   json plan = json::parse(text, nullptr, false);
   if (!plan.is_object() || !member(plan, "segments").is_array())
-    return fail(ErrorCode::kPlanInvalid, "the plan is no JSON object with segments");
+    return fail(ErrorCode::kPlanInvalid, "the plan is not a JSON object with segments");
   for (const json& segment : plan["segments"])
     if (!segment.is_object())
-      return fail(ErrorCode::kPlanInvalid, "segments: what stands there is no object");
+      return fail(ErrorCode::kPlanInvalid, "segments: an entry is not an object");
   if (const json& labels = member(member(plan, "boundary"), "labels"); labels.is_string()) {
     if (!names_boundary(plan))
       return fail(ErrorCode::kPlanInvalid,
@@ -268,7 +271,7 @@ Result<void> check_files_of_plan(const std::string& text) {
   try {
     names = io::file_catalog(plan.dump());
   } catch (const json::exception&) {
-    return fail(ErrorCode::kPlanInvalid, "the plan breaks its schema");
+    return fail(ErrorCode::kPlanInvalid, "the plan does not match its schema");
   }
   if (const json& ct = member(plan, "ct"); ct.is_string() && ct != "ct.nrrd")
     return fail(ErrorCode::kPlanInvalid, "ct: in a case it is ct.nrrd");

@@ -1,5 +1,5 @@
 /// \file
-/// The folder of one case: where everything of it lies, and what of it matches its inputs.
+/// The folder of one case: its files, and whether each result matches its inputs.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,15 +18,15 @@
 
 namespace lefort::server {
 
-/// What a plan of a case calls the boundary that was painted.
+/// File of the painted boundary conditions, as a plan of a case names it.
 inline constexpr const char* kBoundaryFile = "boundary.seg.nrrd";
 
-/// A folder that no other server uses while this lives. Safe from many threads.
+/// A folder that is locked against other servers during the lifetime of this object. Thread-safe.
 class CaseFolder {
  public:
-  /// Makes the folder if it is missing, for its owner alone; ends with its uploads.
+  /// Makes the folder, if missing, accessible to its owner only, and removes earlier uploads.
   ///
-  /// \returns kFileUnwritable: it cannot be made or written, or another server has it.
+  /// \returns kFileUnwritable: it cannot be made or written, or another server uses it.
   [[nodiscard]] static Result<CaseFolder> open(const std::filesystem::path& folder);
   ~CaseFolder();
   CaseFolder(CaseFolder&&) noexcept;
@@ -39,48 +39,48 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path labels() const { return anatomy() / "labels.seg.nrrd"; }
   [[nodiscard]] std::filesystem::path landmarks() const { return root_ / "landmarks.mrk.json"; }
   [[nodiscard]] std::filesystem::path plan() const { return root_ / "plan.json"; }
-  /// What was painted on the tissue's boundary; a plan names it so.
+  /// Boundary conditions painted on the tissue.
   [[nodiscard]] std::filesystem::path boundary() const { return root_ / kBoundaryFile; }
   [[nodiscard]] std::filesystem::path cut() const { return root_ / "cut"; }
   [[nodiscard]] std::filesystem::path check() const { return root_ / "check"; }
   [[nodiscard]] std::filesystem::path preview() const { return root_ / "preview"; }
   [[nodiscard]] std::filesystem::path prediction() const { return root_ / "prediction"; }
   [[nodiscard]] std::filesystem::path comparison() const { return root_ / "comparison"; }
-  /// What stages share: labels, fields, the tissue's mesh.
+  /// Cached labels, fields and tissue meshes of all stages.
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
   [[nodiscard]] std::filesystem::path uploads() const { return root_ / "uploads"; }
 
-  /// SHA-256 of a file, remembered while it stays the same by stat(); nothing if it is not there.
+  /// SHA-256 of a file, cached until stat() changes; nothing if there is no such file.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
 
-  /// As an entity tag, in quotes.
+  /// The same as an entity tag, in quotes.
   [[nodiscard]] std::optional<std::string> etag(const std::filesystem::path& file) const;
 
-  /// Everything a stage was made of, by name, as fingerprints.
+  /// Fingerprints of the inputs of a stage, by name.
   using Inputs = std::map<std::string, std::string>;
 
-  /// Of what a stage is made now. Nothing where an input is missing.
+  /// Fingerprints of the present inputs of a stage; nothing if one is missing.
   ///
   /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison".
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
 
-  /// Remembers of what a stage was made.
+  /// Stores the fingerprints of the inputs of a stage.
   [[nodiscard]] Result<void> record_inputs(std::string_view stage, const Inputs& inputs);
 
-  /// Removes the documents by which a stage is known to be made, so that none of an earlier job
-  /// passes for one of the inputs that are remembered next.
+  /// Removes the documents that mark a stage as computed, so that those of an earlier job are not
+  /// taken for results of the inputs that are stored next.
   ///
-  /// \param stage  "cut", "check", "preview", "prediction"; of others nothing is removed.
+  /// \param stage  "cut", "check", "preview", "prediction"; other stages have no such document.
   [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
 
-  /// Whether what is there matches its inputs: contract/openapi.json, Stage, but for jobs.
+  /// State of each stage (contract/openapi.json, Stage), without jobs.
   [[nodiscard]] nlohmann::json stage(std::string_view stage) const;
 
  private:
   explicit CaseFolder(std::filesystem::path root, int lock);
 
-  /// By what a file is known to be the same: a time alone can be set back, or be too coarse.
+  /// Identifies a version of a file. A time alone can be set back, or be too coarse.
   struct Identity {
     std::uintmax_t device = 0, inode = 0, size = 0;
     std::int64_t modified_s = 0, modified_ns = 0, changed_s = 0, changed_ns = 0;
@@ -96,13 +96,13 @@ class CaseFolder {
   mutable std::map<std::filesystem::path, Known> known_;
 };
 
-/// Bytes of a document of ours that is read; prediction.json is some MB.
+/// Largest size of a document that is read, in bytes; prediction.json has some MB.
 inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 
-/// Whether there is a regular file of that name.
+/// Whether `file` is a regular file.
 [[nodiscard]] bool there_is(const std::filesystem::path& file);
 
-/// The object that a file of ours holds; an empty one if it is not there or damaged.
+/// The JSON object in a file; empty if the file is missing or damaged.
 [[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);
 
 /// The stages of a case, in order.
@@ -110,10 +110,10 @@ inline constexpr const char* kStages[] = {"scan",       "anatomy",   "landmarks"
                                           "boundary",   "cut",       "check",     "preview",
                                           "prediction", "comparison"};
 
-/// Whether a plan, JSON that check_files_of_plan() has passed, names what was painted.
+/// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);
 
-/// Nothing, or kPlanInvalid: whether a plan, JSON of an object, names no file but those a case has.
+/// \returns nothing, or kPlanInvalid: `plan` names a file that a case does not have.
 [[nodiscard]] Result<void> check_files_of_plan(const std::string& text);
 
 }  // namespace lefort::server

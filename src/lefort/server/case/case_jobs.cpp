@@ -27,7 +27,7 @@ using nlohmann::json;
 
 using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
 
-/// Without where the files are, which is none of a page's business.
+/// Removes paths, which a page does not need.
 JobOutcome reported(const pipeline::Summary& summary) {
   JobOutcome outcome{summary.text, summary.json};
   outcome.result.erase("output");
@@ -36,13 +36,13 @@ JobOutcome reported(const pipeline::Summary& summary) {
 
 Result<void> check_scan(const CaseFolder& folder) {
   if (there_is(folder.ct())) return {};
-  return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
+  return fail(ErrorCode::kFileNotFound, "the case has no scan: import one first");
 }
 
 Result<void> check_plan(const CaseFolder& folder) {
   LEFORT_TRY_VOID(check_scan(folder));
   const auto text = io::read_text(folder.plan(), 64 << 20);
-  if (!text) return fail(ErrorCode::kFileNotFound, "there is no plan yet");
+  if (!text) return fail(ErrorCode::kFileNotFound, "the case has no plan");
   return check_files_of_plan(*text);
 }
 
@@ -65,7 +65,7 @@ Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, P
     import.source = *context.example;
   } else {
     const auto source = context.uploads.source(upload);
-    if (!source) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+    if (!source) return fail(ErrorCode::kFileNotFound, "no such upload, or the upload is empty");
     import.source = *source;
   }
   LEFORT_TRY(const pipeline::Summary summary, pipeline::import_scan(import, progress));
@@ -97,8 +97,7 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
   segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
   if (job.parameters.value("from_labels", false)) {
-    if (!there_is(folder.labels()))
-      return fail(ErrorCode::kFileNotFound, "there are no labels yet");
+    if (!there_is(folder.labels())) return fail(ErrorCode::kFileNotFound, "the case has no labels");
     segment.labels = folder.labels();
   }
   LEFORT_TRY(const pipeline::Summary summary, pipeline::segment_scan(segment, progress));
@@ -107,8 +106,8 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   return reported(summary);
 }
 
-/// Runs `work` and remembers of what the stage is made. `work` may fail before it removes earlier
-/// results: their documents, which would pass for new ones, go first.
+/// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
+/// removed first: `work` can fail before it removes them, and they would be taken for new ones.
 template <class Work>
 Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
@@ -117,8 +116,8 @@ Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Wo
   if (inputs) LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
   Result<JobOutcome> outcome = work();
   if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
-    // What was changed meanwhile may or may not have been read: it fits nothing, not even if it is
-    // changed back.
+    // An input that changed meanwhile may or may not have been read: the result matches no input,
+    // not even if the change is undone.
     for (auto& [name, sha256] : *inputs)
       if (!now || now->at(name) != sha256) sha256.clear();
     LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
@@ -164,9 +163,9 @@ Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Prog
   });
 }
 
-/// Which step of the path a share of it lies in, from 1.
+/// The step of the path, from 1, that contains a path fraction.
 int step_of(double path_fraction, int steps) {
-  constexpr double kSame = 1e-9;  // Shares: a keyframe at 0.3333333333 is the end of step 1 of 3.
+  constexpr double kSame = 1e-9;  // A keyframe at 0.3333333333 is the end of step 1 of 3.
   return std::clamp(int(std::ceil(path_fraction * steps - kSame)), 1, steps);
 }
 
@@ -200,7 +199,7 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
   CaseFolder& folder = context.folder;
   return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
     context.history.begin(job.id);
-    // First into the history: who hears of something finds it there.
+    // The history is updated before listeners are notified.
     EventBatcher iterates([&](json batch) {
       const std::size_t from = context.history.add_iterates(batch);
       context.events.publish("newton",
@@ -221,14 +220,14 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
         .on_iterate = [&](const predict::PredictionIterate& at,
                           int steps) { iterates.add(iterate_json(at, steps)); }};
     auto summary = pipeline::predict_case(predict, progress);
-    iterates.flush();  // Of a step that was not found, too.
+    iterates.flush();  // Those of a step that did not converge, too.
     if (!summary) return tl::unexpected(summary.error());
-    // The whole document is GET /prediction's to tell.
+    // GET /prediction returns the whole document.
     return JobOutcome{summary->text, {{"skin", summary->json["skin"]}}};
   });
 }
 
-/// Else it is a scan.
+/// Otherwise the upload is a scan.
 bool is_surface(const fs::path& upload) {
   for (const char* ending : {".vtp", ".stl", ".ply", ".obj"})
     if (upload.extension() == ending) return true;
@@ -240,9 +239,9 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   CaseFolder& folder = context.folder;
   const std::string upload = job.parameters.value("upload", "");
   const auto other = context.uploads.source(upload);
-  if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+  if (!other) return fail(ErrorCode::kFileNotFound, "no such upload, or the upload is empty");
   if (!there_is(folder.prediction() / "prediction.json"))
-    return fail(ErrorCode::kFileNotFound, "there is no prediction yet");
+    return fail(ErrorCode::kFileNotFound, "the case has no prediction");
   const auto inputs = folder.inputs_of("comparison");
   pipeline::CompareJob compare{.face = folder.prediction(),
                                .other = {},
@@ -298,7 +297,7 @@ Result<JobOutcome> run_job(const JobContext& context, const JobRecord& job, Prog
     return fail(outcome.error().code,
                 without_paths(std::move(outcome.error().message), context.folder));
   }
-  return fail(ErrorCode::kInvalidArgument, fmt::format("no job of kind {} is known", job.kind));
+  return fail(ErrorCode::kInvalidArgument, fmt::format("unknown job kind {}", job.kind));
 }
 
 }  // namespace lefort::server

@@ -1,6 +1,5 @@
 /// \file
-/// What each kind of job does with the case's folder: by the functions of pipeline.h, as the
-/// command line does it.
+/// The work of each kind of job in the case's folder, by the functions of the layer pipeline.
 #pragma once
 
 #include <lefort/server/case/case_folder.h>
@@ -16,22 +15,22 @@
 
 namespace lefort::server {
 
-/// Where a job finds what it works on.
+/// Inputs of all jobs.
 struct JobContext {
   CaseFolder& folder;
   Uploads& uploads;
   EventLog& events;
   SolveHistory& history;
-  std::optional<std::filesystem::path> example;  ///< The scan that an import of it reads.
+  std::optional<std::filesystem::path> example;  ///< Scan of the bundled example.
 };
 
-/// The kinds that run_job() knows.
+/// The kinds of run_job().
 [[nodiscard]] std::vector<std::string> job_kinds();
 
-/// The kind of job that makes a stage; empty for what people make.
+/// The kind of job that computes a stage; empty for a stage that the user edits.
 [[nodiscard]] std::string job_of_stage(std::string_view stage);
 
-/// \param job  its parameters fit contract/openapi.json, JobRequest.
+/// \param job  whose parameters match contract/openapi.json, JobRequest.
 [[nodiscard]] Result<JobOutcome> run_job(const JobContext& context, const JobRecord& job,
                                          Progress& progress);
 

@@ -1,5 +1,5 @@
 /// \file
-/// Newton's iterations as they come, a few at a time: small models have thousands a second.
+/// Newton iterations in batches: small models have thousands per second.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,19 +9,19 @@
 
 namespace lefort::server {
 
-/// Hands on what it is given in batches, no more often than every kPause; the rest at flush().
+/// Passes iterates on in batches, at most one per kPause; the rest at flush().
 class EventBatcher {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr auto kPause = std::chrono::milliseconds(100);
 
-  /// \param tell  told an array of iterates, in the order in which they came.
+  /// \param notify  called with an array of iterates, in order.
   explicit EventBatcher(std::function<void(nlohmann::json iterates)> notify)
       : report_(std::move(notify)) {}
 
   void add(nlohmann::json iterate, Clock::time_point now = Clock::now());
 
-  /// Hands on what has waited, if anything.
+  /// Passes on all waiting iterates.
   void flush(Clock::time_point now = Clock::now());
 
  private:

@@ -48,7 +48,7 @@ std::string EventLog::wait(std::uint64_t& heard, std::chrono::milliseconds longe
   std::unique_lock lock(mutex_);
   more_.wait_for(lock, longest, [&] { return is_stopped_ || last_ > heard; });
   std::string text;
-  if (heard + texts_.size() < last_) {  // Forgotten meanwhile.
+  if (heard + texts_.size() < last_) {  // Removed from the log meanwhile.
     heard = last_;
     return reset_event_at(last_);
   }

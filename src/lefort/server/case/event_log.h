@@ -1,6 +1,6 @@
 /// \file
-/// What happens, for pages that listen: the last events, numbered, so that a page that lost its
-/// connection is told what it missed.
+/// Numbered log of the last events, so that a page that lost its connection receives those it
+/// missed.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@
 
 namespace lefort::server {
 
-/// Safe from many threads; bounded.
+/// Thread-safe; bounded.
 class EventLog {
  public:
   /// \param start  8 hexadecimal digits that no other start of the server has.
@@ -24,20 +24,20 @@ class EventLog {
 
   void publish(std::string_view type, const nlohmann::json& data);
 
-  /// Where a listener is that has heard all so far.
+  /// Position after the last event.
   [[nodiscard]] std::uint64_t now() const;
 
-  /// Where a listener is that last heard `id` ("start.number"); nothing if that is not known here,
-  /// or what followed is forgotten: then it has to fetch everything anew.
+  /// Position after the event `id` ("start.number"); nothing if there is no such event or later
+  /// ones were removed: then the page must reload everything.
   [[nodiscard]] std::optional<std::uint64_t> find(std::string_view id) const;
 
-  /// Waits until there is more than `heard`, or the time is over, or stop().
+  /// Waits for events after `heard`, for the timeout, or for stop().
   ///
-  /// \returns events as text/event-stream has them, perhaps none; moves `heard` on. One that is too
-  ///   slow for the log is told to reset.
+  /// \returns events as text/event-stream, perhaps none, and advances `heard`. A listener that is
+  ///   too slow for the log receives the reset event.
   [[nodiscard]] std::string wait(std::uint64_t& heard, std::chrono::milliseconds longest);
 
-  /// The event that tells a page to fetch everything anew.
+  /// The event after which a page reloads everything.
   [[nodiscard]] std::string reset_event() const;
 
   void stop();

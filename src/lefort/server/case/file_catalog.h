@@ -1,5 +1,5 @@
 /// \file
-/// The files and surfaces of a case that pages may ask for by name: nothing that a client sends
+/// The files and surfaces of a case that a page can request by name. Text from a client never
 /// becomes a path.
 #pragma once
 
@@ -12,28 +12,28 @@
 
 namespace lefort::server {
 
-/// A file that pages may have.
+/// A file that a page can request.
 struct NamedFile {
   std::string_view name;
-  const char* stage;  ///< One of kStages: what it is a result of.
+  const char* stage;  ///< One of kStages: the stage that writes it.
   std::filesystem::path (*path)(const CaseFolder&);
 };
 
-/// What pages may download as it is.
+/// Files for download.
 [[nodiscard]] std::span<const NamedFile> file_catalog();
 
-/// What pages may show.
+/// Surfaces for display.
 [[nodiscard]] std::span<const NamedFile> surface_catalog();
 
-/// Whether a page may name a segment so: as in contract/plan.schema.json.
+/// Whether `name` is a valid segment name (contract/plan.schema.json).
 [[nodiscard]] bool is_segment_name(std::string_view name);
 
-/// Where the prediction of several segments keeps a file that each of them has one of, whether it
-/// is there or not; nothing if `name` is called like none.
+/// Path of a file that a prediction of several segments has for each segment, whether it exists or
+/// not; nothing if `name` is not the name of such a file.
 [[nodiscard]] std::optional<std::filesystem::path> segment_result(const CaseFolder& folder,
                                                                   std::string_view name);
 
-/// The one of that name, or null.
+/// The entry called `name`, or null.
 [[nodiscard]] const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name);
 
 }  // namespace lefort::server

@@ -51,7 +51,7 @@ std::optional<JobRecord> read_record(const fs::path& file) {
     job.created = stored.at("created").get<std::string>();
     if (stored.at("ended").is_string()) job.ended = stored["ended"].get<std::string>();
     if (job.id > 0 && file.filename() == fmt::format("{}.json", job.id)) return job;
-  } catch (const json::exception&) {  // Not one of ours: left alone.
+  } catch (const json::exception&) {  // Not a record: ignored.
   }
   return std::nullopt;
 }
@@ -74,7 +74,7 @@ json as_json(const JobRecord& job) {
   return result;
 }
 
-/// Puts what a job says into its record and into the log.
+/// Writes the progress of a job into its record and the event log.
 class Jobs::Listener final : public Progress {
  public:
   Listener(Jobs& jobs, int id) : jobs_(jobs), id_(id) {}
@@ -84,7 +84,7 @@ class Jobs::Listener final : public Progress {
       job.stage = name;
       job.fraction = 0.0;
     });
-    last_report_ = {};  // How far the stage is at its beginning is news.
+    last_report_ = {};  // The start of a stage is always reported.
   }
   void report(double fraction) override {
     const auto now = Clock::now();
@@ -130,8 +130,8 @@ Jobs::Jobs(fs::path folder, EventLog& events, Work work, Changed changed)
     if (job.is_over()) continue;
     job.state = "interrupted";
     job.message =
-        "the server ended before this was done; the next job of its kind goes on from "
-        "what was found";
+        "the server ended before this job was done; the next job of this kind resumes from "
+        "its results";
     job.ended = utc_now();
     keep(job);
   }
@@ -146,7 +146,7 @@ Result<JobRecord> Jobs::submit(std::string kind, json parameters) {
     const std::scoped_lock lock(mutex_);
     if (queue_.size() >= kMaxQueued)
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{} jobs wait already, no more are taken", queue_.size()));
+                  fmt::format("the queue is full: {} jobs are waiting", queue_.size()));
     job.id = jobs_.empty() ? 1 : jobs_.rbegin()->first + 1;
     job.kind = std::move(kind);
     job.parameters = std::move(parameters);
@@ -204,7 +204,7 @@ std::optional<JobRecord> Jobs::cancel(int id) {
     } else if (job.state == "queued") {
       std::erase(queue_, id);
       job.state = "cancelled";
-      job.message = "cancelled before it began";
+      job.message = "cancelled before it started";
       job.ended = utc_now();
       keep(job);
       notify(job);
@@ -226,7 +226,7 @@ void Jobs::stop() {
 }
 
 void Jobs::keep(const JobRecord& job) const {
-  // What cannot be remembered is no reason not to do it; the case's folder is told about elsewhere.
+  // A job runs even if its record cannot be written; other code reports the folder's errors.
   static_cast<void>(
       io::write_text(folder_ / fmt::format("{}.json", job.id),
                      as_json(job).dump(1, ' ', false, json::error_handler_t::replace) + "\n"));
@@ -242,11 +242,11 @@ void Jobs::notify(const JobRecord& job, const std::optional<std::string>& line) 
                           {"message", job.message}});
 }
 
-/// On the worker, which a bug of ours must not end.
+/// Runs on the worker thread, which no exception may end.
 void Jobs::report_change() const {
   try {
     changed_();
-  } catch (const std::exception&) {  // Pages ask again.
+  } catch (const std::exception&) {  // Pages request the state again.
   }
 }
 
@@ -254,7 +254,7 @@ void Jobs::work_on() {
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [&] { return is_ending_ || !queue_.empty(); });
-    if (is_ending_) return;  // Those in the queue stay "queued" on disk: the next server tells.
+    if (is_ending_) return;  // Queued jobs stay "queued" on disk; the next server reports them.
     const int id = queue_.front();
     queue_.pop_front();
     running_ = id;
@@ -270,16 +270,17 @@ void Jobs::work_on() {
       try {
         return work_(begun, listener);
       } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::kOutOfMemory, "this does not fit into memory");
-      } catch (const std::exception&) {  // A bug of ours must not end the server; its words may
-        // tell what no page need know.
-        return fail(ErrorCode::kInvalidArgument, "an internal error");
+        return fail(ErrorCode::kOutOfMemory, "not enough memory");
+      } catch (const std::exception&) {  // An exception must not end the server; its message is not
+        // for pages.
+        return fail(ErrorCode::kInvalidArgument, "internal error");
       }
     }();
     lock.lock();
     running_ = 0;
     JobRecord& job = jobs_.at(id);
-    if (is_ending_ && !outcome) return;  // Stays "running" on disk: interrupted.
+    if (is_ending_ && !outcome)
+      return;  // Stays "running" on disk, which the next server reads as interrupted.
     job.ended = utc_now();
     if (outcome) {
       job.state = "done";

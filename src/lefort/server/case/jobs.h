@@ -1,5 +1,5 @@
 /// \file
-/// Long work, one job at a time: queued, told about, cancelled, remembered on disk.
+/// Queue of jobs, one running at a time. Jobs can be cancelled and are recorded on disk.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -23,7 +23,7 @@
 
 namespace lefort::server {
 
-/// What is known of a job; as in contract/openapi.json, Job.
+/// Record of a job (contract/openapi.json, Job).
 struct JobRecord {
   int id = 0;
   std::string kind;
@@ -42,40 +42,40 @@ struct JobRecord {
 
 [[nodiscard]] nlohmann::json as_json(const JobRecord& job);
 
-/// What a job that is done leaves to tell.
+/// Result of a finished job.
 struct JobOutcome {
   std::string message;
   nlohmann::json result = nlohmann::json::object();
   std::optional<bool> has_findings = std::nullopt;
 };
 
-/// Safe from many threads.
+/// Thread-safe.
 class Jobs {
  public:
-  /// Does the work of a job, on the one worker.
+  /// Runs a job, on the worker thread.
   using Work = std::function<Result<JobOutcome>(const JobRecord& job, Progress& progress)>;
-  /// Told, on any thread, whenever a job has begun or ended.
+  /// Called, on any thread, when a job has started or ended.
   using Changed = std::function<void()>;
 
-  /// Reads what an earlier server has left: jobs that had not ended are `interrupted`.
+  /// Reads the records of earlier servers; jobs that had not ended are `interrupted`.
   Jobs(std::filesystem::path folder, EventLog& events, Work work, Changed changed);
   ~Jobs();
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
-  /// \returns the job as queued; kInvalidArgument if too many wait.
+  /// \returns the queued job; kInvalidArgument if the queue is full.
   [[nodiscard]] Result<JobRecord> submit(std::string kind, nlohmann::json parameters);
 
   [[nodiscard]] std::vector<JobRecord> all() const;
   [[nodiscard]] std::optional<JobRecord> find(int id) const;
-  /// The last one of its kind, if there was one.
+  /// The last job of a kind, if there was one.
   [[nodiscard]] std::optional<JobRecord> last_of(std::string_view kind) const;
   [[nodiscard]] bool is_idle() const;
 
-  /// Asks a job to stop; one that is over stays as it is. Nothing if there is no such job.
+  /// Requests a job to stop; a job that has ended is unchanged. Nothing if there is no such job.
   [[nodiscard]] std::optional<JobRecord> cancel(int id);
 
-  /// Ends: what runs is stopped and, like what waits, told as interrupted by the next server.
+  /// Stops the running job. The next server reports it, and those queued, as interrupted.
   void stop();
 
  private:

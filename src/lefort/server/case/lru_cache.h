@@ -1,5 +1,5 @@
 /// \file
-/// What was read from a file, kept in memory while the file stays as it is.
+/// Contents of files, cached in memory until the file changes.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,8 +11,8 @@
 
 namespace lefort::server {
 
-/// The last few things read, by a name and the entity tag of what they were read from. Safe from
-/// many threads; readers of the same wait for one another, so that a thing is read once.
+/// Cache of the last things read, by name and entity tag of the file. Thread-safe; concurrent
+/// readers of one thing wait, so that it is read once.
 template <class Value>
 class LruCache {
  public:

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxCutBytes = 1 << 20;  // Bytes.
 
-/// A file's name, as the document has it, that does not lead out of its folder.
+/// A file name of the document, if it does not lead out of its folder.
 Result<fs::path> plain_name(const nlohmann::json& bone, const char* key) {
   const auto found = bone.find(key);
   if (found != bone.end() && found->is_string()) {
@@ -66,8 +66,7 @@ Result<OverlapService::Depths> OverlapService::depths(const Poses& poses) const 
   for (const auto& [name, pose] : poses)
     if (name.empty() || std::none_of(bones_.begin(), bones_.end(),
                                      [&](const Bone& bone) { return bone.name == name; }))
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("segment {} is not among those that were cut", name));
+      return fail(ErrorCode::kInvalidArgument, fmt::format("segment {} was not cut", name));
   Depths depths;
   for (const Bone& moved : bones_) {
     if (moved.name.empty() || !poses.contains(moved.name)) continue;
@@ -77,7 +76,7 @@ Result<OverlapService::Depths> OverlapService::depths(const Poses& poses) const 
     for (const Bone& other : bones_) {
       if (&other == &moved) continue;
       const RigidTransform X_LO = pose_of(other.name, poses), X_OB = X_LO.inverse() * X_LB;
-      // Nothing outside the other bone's box is in it.
+      // Points outside the other bone's box do not overlap.
       const auto near = parallel_collect<Index>(
           moved.surface_B.vertex_count(), [&](Index v, std::vector<Index>& list) {
             if (other.box_B.contains(X_OB * vertices_B[std::size_t(v)])) list.push_back(v);

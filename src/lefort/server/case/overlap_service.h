@@ -1,5 +1,5 @@
 /// \file
-/// How deep bones lie in each other while they are being dragged.
+/// Overlap of bones while a segment is dragged.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -15,33 +15,32 @@
 
 namespace lefort::server {
 
-/// The poses of segments by name: X_LB, rigid.
+/// Rigid poses X_LB of segments, by name.
 using Poses = std::map<std::string, RigidTransform>;
 
-/// The bones of a plan with their fields. Immutable; safe to ask from many threads.
+/// The bones of a plan with their fields. Immutable; thread-safe.
 class OverlapService {
  public:
-  /// Reads what cut_plan() has made.
+  /// Reads the files of cut_plan().
   [[nodiscard]] static Result<OverlapService> read(const std::filesystem::path& cut_folder,
                                                    const std::filesystem::path& cache);
 
   struct Depths {
-    std::vector<std::pair<std::string, Index>> segments;  ///< The moved ones, and their vertices.
+    std::vector<std::pair<std::string, Index>> segments;  ///< Those moved, and their vertices.
     std::vector<double> depth_mm;  ///< Of each vertex, one segment after the other; 0 outside.
     double deepest_mm = 0.0;
-    bool depth_is_lower_bound = false;  ///< Somewhere deeper than a field can tell.
+    bool depth_is_lower_bound = false;  ///< A depth exceeds the band of a field.
   };
 
-  /// How deep the vertices of the segments named lie in still bone and in the other segments; a
-  /// segment that is not named is where it was scanned. What is no deeper than
-  /// contact::kTouching_mm is 0.
+  /// Depth of the vertices of the named segments in stationary bone and in the other segments. A
+  /// segment that is not named is where it was scanned. Depths up to contact::kTouching_mm are 0.
   ///
-  /// \returns kInvalidArgument that names a segment which there is not.
+  /// \returns the depths; kInvalidArgument if a segment does not exist.
   [[nodiscard]] Result<Depths> depths(const Poses& poses) const;
 
  private:
   struct Bone {
-    std::string name;  ///< Empty: the bone that stays.
+    std::string name;  ///< Empty: the stationary bone.
     geometry::TriangleMesh surface_B;
     Box3 box_B;
     std::shared_ptr<const contact::DistanceQuery> distance_query_B;

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kKeptSurfaces = 24;  // All there are: six, and those of 16 segments.
+constexpr std::size_t kKeptSurfaces = 24;  // Six, and those of 16 segments.
 
 }  // namespace
 
@@ -62,7 +62,7 @@ void ServedCase::report_stages() { events.publish("case", {{"stages", stages()}}
 
 Result<std::shared_ptr<const image::CtVolume>> ServedCase::volume() {
   const auto etag = folder.etag(folder.ct());
-  if (!etag) return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
+  if (!etag) return fail(ErrorCode::kFileNotFound, "the case has no scan: import one first");
   return cached_volume.get("ct", *etag, [&]() -> Result<image::CtVolume> {
     LEFORT_TRY(io::ImportedVolume scan, io::import_volume(folder.ct()));
     return std::move(scan.ct);
@@ -70,10 +70,10 @@ Result<std::shared_ptr<const image::CtVolume>> ServedCase::volume() {
 }
 
 Result<std::shared_ptr<const predict::FacePreview>> ServedCase::preview() {
-  // By the model: preview.json says the same of one with other materials.
+  // Keyed by the model: preview.json is the same for other materials.
   const auto etag = folder.etag(folder.preview() / "face.preview");
   if (!etag || !there_is(folder.preview() / "preview.json"))
-    return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
+    return fail(ErrorCode::kFileNotFound, "no preview is prepared");
   return cached_preview.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
     LEFORT_TRY(predict::PreviewModel model,
                io::read_preview_model(folder.preview() / "face.preview"));
@@ -84,7 +84,7 @@ Result<std::shared_ptr<const predict::FacePreview>> ServedCase::preview() {
 void ServedCase::warm_preview() {
   RigidTransform little = RigidTransform::Identity();
   little.translation().y() = -1.0;
-  // What is wrong with it, if anything, the first who asks is told.
+  // An error is reported by the first request for a preview.
   if (const auto face = preview())
     static_cast<void>(
         (*face)->displacement_mm(std::vector<RigidTransform>((*face)->segment_count(), little)));

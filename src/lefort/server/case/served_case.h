@@ -1,5 +1,5 @@
 /// \file
-/// What all routes work on: one case's folder, its jobs, and what of it is in memory.
+/// State shared by all routes: one case's folder, its jobs, and its caches.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -23,9 +23,9 @@
 
 namespace lefort::server {
 
-/// Safe from many threads.
+/// Thread-safe.
 struct ServedCase {
-  /// \param example  the scan that is imported on wish.
+  /// \param example  scan of the bundled example.
   ServedCase(CaseFolder folder, std::optional<std::filesystem::path> example,
              UploadLimits upload_limits);
   ServedCase(const ServedCase&) = delete;
@@ -36,28 +36,28 @@ struct ServedCase {
   const std::optional<std::filesystem::path> example;
   EventLog events;
   SolveHistory solve_history;
-  std::mutex writing;  ///< One page's change at a time.
+  std::mutex writing;  ///< Serializes changes by pages.
   LruCache<image::CtVolume> cached_volume;
   LruCache<OverlapService> cached_bones;
   LruCache<predict::FacePreview> cached_preview;
   LruCache<io::StepSkin> kept_steps;
   LruCache<std::string> cached_surfaces;
-  Jobs jobs;  ///< Last: its worker uses all above.
+  Jobs jobs;  ///< Last member: its worker uses the others.
 
   /// The scan.
   [[nodiscard]] Result<std::shared_ptr<const image::CtVolume>> volume();
 
-  /// What preview-factor has prepared.
+  /// The model prepared by the job preview-factor.
   [[nodiscard]] Result<std::shared_ptr<const predict::FacePreview>> preview();
 
   /// Every stage by its name: contract/openapi.json, Stage.
   [[nodiscard]] nlohmann::json stages() const;
 
-  /// Tells pages that listen.
+  /// Notifies pages that listen.
   void report_stages();
 
  private:
-  /// Factorizes, so that the first preview is as quick as the next.
+  /// Factorizes in advance, so that the first preview is as fast as the next.
   void warm_preview();
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// What the last solve has told so far: for pages that come in the middle of it.
+/// Iterates and steps of the last solve, for pages that connect during the solve.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,16 +11,17 @@
 
 namespace lefort::server {
 
-/// Safe from many threads.
+/// Thread-safe.
 class SolveHistory {
  public:
-  static constexpr std::size_t kMaxIterates = 50'000;  ///< As the contract says; the oldest go.
+  static constexpr std::size_t kMaxIterates =
+      50'000;  ///< As in the contract; the oldest are removed.
 
-  /// Forgets what another job has told.
+  /// Removes the history of the previous job.
   void begin(int job);
 
   /// \param iterates  an array.
-  /// \returns how many of this solve came before them.
+  /// \returns the number of earlier iterates of this solve.
   std::size_t add_iterates(const nlohmann::json& iterates);
   void add_step(nlohmann::json step);
 
@@ -30,7 +31,7 @@ class SolveHistory {
  private:
   mutable std::mutex mutex_;
   int job_ = 0;
-  std::size_t forgotten_ = 0;  ///< Iterates before those that are kept.
+  std::size_t forgotten_ = 0;  ///< Number of removed iterates.
   std::deque<nlohmann::json> iterates_;
   nlohmann::json steps_ = nlohmann::json::array();
 };

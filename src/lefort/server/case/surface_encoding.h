@@ -1,5 +1,5 @@
 /// \file
-/// Surfaces as pages read them: LFSURF1, described in contract/openapi.json.
+/// Surfaces in the format of the page: LFSURF1 (contract/openapi.json).
 #pragma once
 
 #include <lefort/core/types.h>

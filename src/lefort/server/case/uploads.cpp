@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The ending that our name for a file gets: of those we read, each file by itself. .nhdr and .mhd,
-/// which name other files, are not among them.
-std::optional<std::string> kept_ending(std::string name) {
+/// The file ending under which an upload is stored, for the formats that are read. Not .nhdr and
+/// .mhd, which name other files.
+std::optional<std::string> stored_ending(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return char(std::tolower(c)); });
   for (const char* ending : {".nii.gz", ".nii", ".seg.nrrd", ".nrrd", ".mha", ".inv3", ".dcm",
@@ -26,7 +26,33 @@ std::optional<std::string> kept_ending(std::string name) {
     if (name.ends_with(ending)) return ending == std::string(".seg.nrrd") ? ".nrrd" : ending;
   for (const char* ending : {".nhdr", ".mhd", ".zip", ".tar", ".gz", ".json", ".txt", ".exe"})
     if (name.ends_with(ending)) return std::nullopt;
-  return "";  // DICOM files are called anything.
+  return "";  // DICOM files have any ending, or none.
+}
+
+constexpr const char* kNotStored = "the file could not be stored; the disk may be full";
+
+Response no_upload() { return error_response(404, "not_found", "no such upload"); }
+
+struct Received {
+  std::uint64_t bytes = 0;
+  bool is_complete = false;  ///< As long as the request announced.
+  bool is_written = false;
+};
+
+/// Writes the body of `request` to `path`.
+Received receive(const fs::path& path, const Request& request) {
+  std::ofstream file(path, std::ios::binary);
+  Received received;
+  const bool is_read = request.read_body && request.read_body([&](std::string_view piece) {
+    received.bytes += piece.size();
+    if (received.bytes > request.content_length) return false;
+    file.write(piece.data(), std::streamsize(piece.size()));
+    return bool(file);
+  });
+  file.close();
+  received.is_complete = is_read && received.bytes == request.content_length;
+  received.is_written = bool(file);
+  return received;
 }
 
 }  // namespace
@@ -56,44 +82,51 @@ Response Uploads::begin() {
   const std::string id = random_hex(16);
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // A patient's.
+  if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // Patient data.
   if (!error) fs::create_directory(folder_ / id, error);
   if (error)
     return error_response(507, "unavailable",
-                          "the case folder takes no upload: " + error.message());
+                          "cannot write to the case folder: " + error.message());
   uploads_[id].order = ++begun_;
   return json_response({{"id", id}}, 201);
 }
 
-Response Uploads::put(const std::string& id, int index, const std::string& name,
-                      const Request& request) {
-  const auto ending = kept_ending(name);
-  if (!ending)
-    return error_response(
-        422, "invalid",
-        "files of this kind are not read; send DICOM files, .nii, .nii.gz, .nrrd, .mha "
-        "or .inv3",
-        "name");
+std::optional<Response> Uploads::check_file(int index, const Request& request) const {
   if (index < 0 || index >= limits_.files)
     return error_response(413, "too_large",
                           fmt::format("an upload has at most {} files", limits_.files), "index");
   if (request.content_length > limits_.file_bytes)
     return error_response(413, "too_large",
                           fmt::format("a file has at most {} bytes", limits_.file_bytes));
-  const std::string kept = fmt::format("f{:05d}{}", index, *ending);
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!uploads_.contains(id)) return error_response(404, "not_found", "there is no such upload");
-    if (bytes() + reserved_ + request.content_length > limits_.all_bytes)
-      return error_response(
-          413, "too_large",
-          fmt::format("uploads have at most {} bytes together", limits_.all_bytes));
-    reserved_ += request.content_length;
-  }
-  // Beside the upload's folder: a job that reads that one sees whole files alone.
+  return std::nullopt;
+}
+
+std::optional<Response> Uploads::reserve(const std::string& id, const Request& request) {
+  const std::scoped_lock lock(mutex_);
+  if (!uploads_.contains(id)) return no_upload();
+  if (bytes() + reserved_ + request.content_length > limits_.all_bytes)
+    return error_response(
+        413, "too_large",
+        fmt::format("all uploads together have at most {} bytes", limits_.all_bytes));
+  reserved_ += request.content_length;
+  return std::nullopt;
+}
+
+Response Uploads::put(const std::string& id, int index, const std::string& name,
+                      const Request& request) {
+  const auto ending = stored_ending(name);
+  if (!ending)
+    return error_response(
+        422, "invalid",
+        "files of this kind are not read; send DICOM files, .nii, .nii.gz, .nrrd, .mha "
+        "or .inv3",
+        "name");
+  if (auto error = check_file(index, request)) return *std::move(error);
+  if (auto error = reserve(id, request)) return *std::move(error);
+  // Outside the upload's folder: a job that reads that folder finds complete files only.
   const fs::path temporary = folder_ / ("part-" + random_hex(16));
-  struct Part {  // Given back however this ends.
-    ~Part() {
+  struct Reservation {  // Released on every return.
+    ~Reservation() {
       std::error_code error;
       fs::remove(file, error);
       const std::scoped_lock lock(mutex);
@@ -104,36 +137,32 @@ Response Uploads::put(const std::string& id, int index, const std::string& name,
     std::uint64_t& reserved;
     std::uint64_t bytes;
   };
-  const Part part{temporary, mutex_, reserved_, request.content_length};
-  std::ofstream file(temporary, std::ios::binary);
-  std::uint64_t received = 0;
-  const bool is_whole = request.read_body && request.read_body([&](std::string_view piece) {
-    received += piece.size();
-    if (received > request.content_length) return false;
-    file.write(piece.data(), std::streamsize(piece.size()));
-    return bool(file);
-  });
-  file.close();
-  const bool is_written = bool(file);
+  const Reservation reservation{temporary, mutex_, reserved_, request.content_length};
+  const Received received = receive(temporary, request);
+  if (!received.is_written) return error_response(507, "unavailable", kNotStored);
+  if (!received.is_complete)
+    return error_response(400, "bad_request", "the request body is incomplete");
+  return store(id, index, fmt::format("f{:05d}{}", index, *ending), temporary, received.bytes);
+}
+
+Response Uploads::store(const std::string& id, int index, const std::string& name,
+                        const fs::path& temporary, std::uint64_t bytes) {
   const std::scoped_lock lock(mutex_);
   std::error_code error;
   const auto upload = uploads_.find(id);
-  if (!is_whole || !is_written || received != request.content_length || upload == uploads_.end()) {
-    if (!is_written)
-      return error_response(507, "unavailable", "the file could not be kept: is the disk full?");
-    return error_response(400, "bad_request", "the body did not arrive whole");
-  }
+  if (upload == uploads_.end())
+    return error_response(400, "bad_request", "the upload was removed meanwhile");
   if (const auto older = upload->second.files.find(index); older != upload->second.files.end())
     fs::remove(folder_ / id / older->second.first, error);
-  fs::rename(temporary, folder_ / id / kept, error);
-  if (error) return error_response(507, "unavailable", "the file could not be kept");
-  upload->second.files[index] = {kept, received};
-  return json_response({{"index", index}, {"bytes", received}}, 201);
+  fs::rename(temporary, folder_ / id / name, error);
+  if (error) return error_response(507, "unavailable", kNotStored);
+  upload->second.files[index] = {name, bytes};
+  return json_response({{"index", index}, {"bytes", bytes}}, 201);
 }
 
 Response Uploads::remove(const std::string& id) {
   const std::scoped_lock lock(mutex_);
-  if (!uploads_.contains(id)) return error_response(404, "not_found", "there is no such upload");
+  if (!uploads_.contains(id)) return no_upload();
   drop(id);
   Response reply;
   reply.status = 204;

@@ -1,5 +1,5 @@
 /// \file
-/// Files that a page sends, until a job takes them.
+/// Files sent by a page, stored until a job reads them.
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -13,32 +13,32 @@
 
 namespace lefort::server {
 
-/// What an upload may hold.
+/// Limits of uploads.
 struct UploadLimits {
   std::uint64_t file_bytes = std::uint64_t(2) << 30;
   std::uint64_t all_bytes = std::uint64_t(4) << 30;  ///< Of all uploads together.
-  int files = 10000;                                 ///< Of one upload; more slices no scan has.
-  int uploads = 4;                                   ///< At a time; a further one ends the oldest.
+  int files = 10000;                                 ///< Of one upload; no scan has more slices.
+  int uploads = 4;                                   ///< At a time; another one removes the oldest.
 };
 
-/// Kept in a folder under names of our own: what files are called, perhaps after a patient, is
-/// forgotten but for the ending. Safe from many threads.
+/// Stored in a folder under generated names: original names, which may contain the name of a
+/// patient, are not kept, except the file ending. Thread-safe.
 class Uploads {
  public:
   explicit Uploads(std::filesystem::path folder, UploadLimits limits = {});
 
-  /// 201 with its id.
+  /// Starts an upload. \returns 201 with its id.
   [[nodiscard]] Response begin();
 
-  /// Takes the body of `request` as a file: 201, or why not.
+  /// Stores the body of `request` as a file. \returns 201, or the error.
   [[nodiscard]] Response put(const std::string& id, int index, const std::string& name,
                              const Request& request);
 
-  /// 204, or 404.
+  /// \returns 204, or 404.
   [[nodiscard]] Response remove(const std::string& id);
 
-  /// What a job reads: the one file, or the folder of DICOM files. Nothing if there is no such
-  /// upload, or nothing in it.
+  /// The input of a job: the single file, or the folder of DICOM files. Nothing if there is no such
+  /// upload or it is empty.
   [[nodiscard]] std::optional<std::filesystem::path> source(const std::string& id) const;
 
   [[nodiscard]] const UploadLimits& limits() const { return limits_; }
@@ -48,6 +48,12 @@ class Uploads {
     std::uint64_t order = 0;
     std::map<int, std::pair<std::string, std::uint64_t>> files;  ///< Name and bytes.
   };
+  [[nodiscard]] std::optional<Response> check_file(int index, const Request& request) const;
+  /// Reserves the length of the body, or returns the error.
+  [[nodiscard]] std::optional<Response> reserve(const std::string& id, const Request& request);
+  /// Moves a received file into the folder of its upload.
+  [[nodiscard]] Response store(const std::string& id, int index, const std::string& name,
+                               const std::filesystem::path& temporary, std::uint64_t bytes);
   void drop(const std::string& id);
   [[nodiscard]] std::uint64_t bytes() const;
 

@@ -1,5 +1,5 @@
 /// \file
-/// Who is heard: decided by a request's header, before anything is read of its body.
+/// Authorization of requests by their header, before the body is read.
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -11,16 +11,16 @@
 
 namespace lefort::server {
 
-/// What a request must show to be meant for this server, by its own page.
+/// Hosts, origins and token that a request of the server's own page has.
 struct Credentials {
-  std::set<std::string> hosts, origins;  ///< That are ours, in lower case, with the port.
+  std::set<std::string> hosts, origins;  ///< Of this server, in lower case, with the port.
   std::string token;
 };
 
-/// In lower case, if it is ASCII; names of hosts and headers are.
+/// ASCII text in lower case, for names of hosts and headers.
 [[nodiscard]] std::string lower_case(std::string text);
 
-/// Why a request is not heard, or nothing.
+/// \returns the error response of a rejected request, or nothing.
 [[nodiscard]] std::optional<Response> authorize_request(const httplib::Request& request,
                                                         const Credentials& ours);
 

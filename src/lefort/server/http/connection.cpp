@@ -11,7 +11,7 @@ namespace lefort::server {
 namespace {
 
 constexpr std::size_t kBuffer = 16 << 10;    // Bytes read at a time.
-constexpr std::size_t kDrained = 256 << 10;  // Bytes of a refused body that are taken.
+constexpr std::size_t kDrained = 256 << 10;  // Bytes of a rejected body that are read.
 constexpr auto kDrainTime = std::chrono::milliseconds(500);
 
 std::chrono::milliseconds time_for(double bytes, double bytes_per_s) {
@@ -25,7 +25,7 @@ Connection::Connection(int socket, const HttpLimits& limits) : socket_(socket), 
 bool Connection::wait_for_request() {
   phase_ = Phase::kHeader;
   moved_ = 0.0;
-  since_ = Clock::now();  // Before it waits: not since a request of long ago.
+  since_ = Clock::now();  // Before waiting: not since the previous request.
   is_waiting_ = true;
   const bool is_here = at_ < buffer_.size() || wait_for(POLLIN, Clock::now() + limits_.idle_time);
   begun_ = Clock::now();
@@ -80,7 +80,7 @@ bool Connection::is_readable() const {
 }
 
 bool Connection::is_writable() const {
-  if (phase_ == Phase::kEvents) {  // Asked again and again: whether the page is still there.
+  if (phase_ == Phase::kEvents) {  // Polled: whether the page is still connected.
     pollfd descriptor{socket_, POLLRDHUP, 0};
     if (::poll(&descriptor, 1, 0) > 0) return false;
   }
@@ -119,7 +119,7 @@ ssize_t Connection::write(const char* from, size_t size) {
 }
 
 void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
-  ip.clear();  // Nobody is told.
+  ip.clear();  // The address is not needed.
   port = 0;
 }
 

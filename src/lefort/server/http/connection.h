@@ -1,5 +1,5 @@
 /// \file
-/// One client's socket with its patience: how long it may take for what it sends and takes.
+/// A client's socket with timeouts for all that it sends and receives.
 #pragma once
 
 #include <lefort/server/http/http_server.h>
@@ -18,33 +18,33 @@
 
 namespace lefort::server {
 
-/// A stream whose every phase has an end. Its owner closes the socket.
+/// A stream with a timeout for each phase. Its owner closes the socket.
 class Connection final : public httplib::Stream {
  public:
   using Clock = std::chrono::steady_clock;
 
   Connection(int socket, const HttpLimits& limits);
 
-  /// Waits for the first byte of a request. \returns false if none came in time.
+  /// Waits for the first byte of a request. \returns false at the timeout.
   [[nodiscard]] bool wait_for_request();
 
-  /// From here on what is read is a body.
+  /// Starts the phase that reads a body.
   void begin_body();
 
-  /// From here on time is not limited while each piece moves on: events.
+  /// Starts the phase of events: no total timeout, only a timeout for each piece.
   void begin_events() { phase_ = Phase::kEvents; }
 
-  /// Whether it holds a thread without having asked for anything, and since when.
+  /// The time since which it occupies a thread without a request, if it does.
   [[nodiscard]] bool is_waiting() const { return is_waiting_; }
   [[nodiscard]] Clock::time_point since() const { return since_.load(); }
 
-  /// From another thread: ends it. \pre the socket is open.
+  /// Ends the connection, from another thread. \pre the socket is open.
   void abort() const;
 
-  /// The client may still send what nobody reads: unless some of it is taken the reply is lost.
+  /// Reads some of what the client still sends: otherwise the reply can be lost.
   void drain();
 
-  /// What is left in the stream does not belong to a request: no other one may be read from it.
+  /// Marks the rest of the stream as invalid: no further request is read from it.
   bool must_close = false;
 
   bool is_readable() const override;
@@ -57,15 +57,15 @@ class Connection final : public httplib::Stream {
 
  private:
   enum class Phase { kHeader, kBody, kReply, kEvents };
-  /// The moment up to which the next piece must have moved.
+  /// Deadline of the next piece.
   [[nodiscard]] Clock::time_point deadline() const;
   [[nodiscard]] bool wait_for(short events, Clock::time_point until) const;
 
   const int socket_;
   const HttpLimits& limits_;
   Phase phase_ = Phase::kHeader;
-  Clock::time_point begun_ = Clock::now();  ///< The phase.
-  double moved_ = 0.0;                      ///< Bytes in the phase.
+  Clock::time_point begun_ = Clock::now();  ///< Start of the phase.
+  double moved_ = 0.0;                      ///< Bytes transferred in the phase.
   std::atomic<bool> is_waiting_ = true;
   std::atomic<Clock::time_point> since_ = Clock::now();
   std::string buffer_;

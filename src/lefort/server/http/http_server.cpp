@@ -23,29 +23,29 @@ namespace {
 
 constexpr std::size_t kPiece = 256 << 10;  // Bytes of a reply written at a time.
 constexpr std::size_t kRequestsPerConnection = 1000;
-constexpr auto kHeartbeat = std::chrono::seconds(15);  // As the contract says.
+constexpr auto kHeartbeat = std::chrono::seconds(15);  // As in the contract.
 constexpr auto kListenerPollInterval =
-    std::chrono::milliseconds(500);  // How often a listener is looked after.
+    std::chrono::milliseconds(500);  // Interval in which listeners are checked.
 
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' "
     "data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
-/// The connection that the present thread serves.
+/// The connection served by the current thread.
 thread_local Connection* current = nullptr;
 
-/// httplib's server over our connections: it parses and formats, we decide who is heard how long.
+/// httplib's server on connections with timeouts. httplib parses and formats.
 class LimitedServer final : public httplib::Server {
  public:
   explicit LimitedServer(const HttpLimits& limits) : limits_(limits) {
     new_task_queue = [this] { return workers_ = new Workers(limits_); };
   }
 
-  /// httplib lets five clients knock at a time; others would wait for a second or more.
+  /// httplib has a backlog of five; other clients would wait for a second or more.
   void set_listen_backlog() { ::listen(svr_sock_, limits_.waiting); }
 
-  /// Told each request once its header is there; may change it.
+  /// Called with each request after its header; may change it.
   std::function<void(httplib::Request&)> on_header;
 
  private:
@@ -79,7 +79,7 @@ class LimitedServer final : public httplib::Server {
   Workers* workers_ = nullptr;  ///< httplib owns it while it listens.
 };
 
-/// A reply that was decided before the body was looked at.
+/// A reply that was decided before the body was read.
 thread_local std::optional<Response> decided;
 
 Request as_request(const httplib::Request& from) {
@@ -127,14 +127,14 @@ std::string in_address(const std::string& host) {
   return host.find(':') == std::string::npos ? host : fmt::format("[{}]", host);
 }
 
-/// Decides before anything is read of the body, and disarms what httplib would do of its own.
+/// Authorizes a request before its body is read, and disables features of httplib.
 void HttpServer::Parts::pre_route(httplib::Request& request) {
   decided = authorize_request(request, ours);
   request.ranges.clear();
-  request.headers.erase("Accept-Encoding");  // Nothing is compressed on the way to oneself.
+  request.headers.erase("Accept-Encoding");  // No compression on one machine.
   if (decided) {
     request.headers.erase("Expect");
-    request.path.assign(1, '/');  // What is refused is not matched with anything.
+    request.path.assign(1, '/');  // A rejected request matches no route.
     request.target = request.path;
     current->must_close = true;
     request.headers.erase("Connection");
@@ -145,7 +145,7 @@ void HttpServer::Parts::pre_route(httplib::Request& request) {
 void HttpServer::Parts::answer_events(httplib::Response& response, const std::string& last_id) {
   if (++listeners > options.limits.listeners) {
     --listeners;
-    answer({}, response, error_response(429, "limit", "too many pages listen already"));
+    answer({}, response, error_response(429, "limit", "too many pages receive events"));
     return;
   }
   EventLog& events = api.events();
@@ -157,7 +157,7 @@ void HttpServer::Parts::answer_events(httplib::Response& response, const std::st
   const auto listener = std::make_shared<Listener>();
   const auto known = events.find(last_id);
   listener->heard = known.value_or(events.now());
-  // So that a page knows at once that it is heard, and where it is.
+  // So that a page knows at once that it is connected, and its position.
   listener->first = known || last_id.empty() ? ": welcome\n\n" : events.reset_event();
   response.set_chunked_content_provider(
       "text/event-stream",
@@ -198,7 +198,7 @@ void HttpServer::Parts::answer(const httplib::Request& request, httplib::Respons
     answer_events(response, *reply.events_after);
   } else if (reply.file) {
     const auto file = std::make_shared<std::ifstream>(*reply.file, std::ios::binary);
-    // Of what was opened: a job may put another file in its place.
+    // Of the opened file: a job can replace it.
     const std::streamoff size = file->seekg(0, std::ios::end).tellg();
     if (size < 0) {
       response.status = 404;
@@ -226,7 +226,7 @@ void HttpServer::Parts::answer(const httplib::Request& request, httplib::Respons
   }
 }
 
-/// Requests without a body, and those that were refused. \returns whether it was one.
+/// Handles requests without a body, and rejected ones. \returns whether it was one.
 bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response& response) {
   if (decided) {
     answer(request, response, *std::exchange(decided, std::nullopt));
@@ -243,7 +243,7 @@ bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response
     reply = binary_response({nullptr, file->bytes});
     reply.type = file->type;
   } else {
-    reply = error_response(404, "not_found", "there is nothing of that name", "path");
+    reply = error_response(404, "not_found", "not found", "path");
   }
   answer(request, response, std::move(reply));
   return true;
@@ -271,9 +271,9 @@ HttpServer::HttpServer(Api& api, HttpOptions options)
   LEFORT_CHECK(parts_->options.token.size() >= 32);
   Parts& parts = *parts_;
   parts.server.on_header = [&parts](httplib::Request& request) { parts.pre_route(request); };
-  parts.server.set_payload_max_length(std::size_t(-1));  // The API knows its limits.
+  parts.server.set_payload_max_length(std::size_t(-1));  // The API has its own limits.
   parts.server.set_tcp_nodelay(true);
-  // We count ourselves; httplib tells clients these.
+  // Connection limits are ours; httplib announces these to clients.
   parts.server.set_keep_alive_max_count(kRequestsPerConnection);
   parts.server.set_keep_alive_timeout(
       std::chrono::duration_cast<std::chrono::seconds>(parts.options.limits.idle_time).count());
@@ -295,14 +295,13 @@ HttpServer::HttpServer(Api& api, HttpOptions options)
                                     "an internal error; nothing was "
                                     "changed"));
       });
-  parts.server.set_error_handler(
-      [&parts](const httplib::Request& request, httplib::Response& response) {
-        if (!response.body.empty() || response.status == 304) return;
-        current->must_close = true;
-        parts.answer(
-            request, response,
-            error_response(response.status, "bad_request", "this is no request that can be read"));
-      });
+  parts.server.set_error_handler([&parts](const httplib::Request& request,
+                                          httplib::Response& response) {
+    if (!response.body.empty() || response.status == 304) return;
+    current->must_close = true;
+    parts.answer(request, response,
+                 error_response(response.status, "bad_request", "the request cannot be parsed"));
+  });
 }
 
 HttpServer::~HttpServer() { stop(); }
@@ -312,10 +311,10 @@ Result<int> HttpServer::bind() {
   const HttpOptions& options = parts.options;
   if (options.host == "0.0.0.0" || options.host == "::")
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("--host {} is no address by which this server can be told from others: "
-                            "name the one that browsers shall use",
+                fmt::format("--host {} is a wildcard address, by which requests cannot be checked: "
+                            "use the address that browsers open",
                             options.host));
-  // Not SO_REUSEPORT, httplib's default: another program could take half of our requests.
+  // Not SO_REUSEPORT, httplib's default: another program could receive half of the requests.
   parts.server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -326,8 +325,8 @@ Result<int> HttpServer::bind() {
                             : parts.server.bind_to_port(options.host, options.port);
   if (!is_bound)
     return fail(ErrorCode::kInvalidArgument,
-                options.port == 0 ? fmt::format("no port of {} can be had", options.host)
-                                  : fmt::format("port {} of {} cannot be had: is it in use?",
+                options.port == 0 ? fmt::format("no port of {} is free", options.host)
+                                  : fmt::format("port {} of {} cannot be bound; it may be in use",
                                                 options.port, options.host));
   parts.server.set_listen_backlog();
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};

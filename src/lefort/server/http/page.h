@@ -1,5 +1,5 @@
 /// \file
-/// The page's files, inside the program.
+/// The page's files, embedded in the program.
 #pragma once
 
 #include <span>
@@ -13,10 +13,10 @@ struct PageFile {
   std::string_view bytes;
 };
 
-/// All of them; a note how to build the page if it was not built.
+/// All files; or one that describes how to build the page, if it was not built.
 [[nodiscard]] std::span<const PageFile> page_files();
 
-/// The file at a path, or null; "/" is /index.html.
+/// The file at a path, or null. "/" is /index.html.
 [[nodiscard]] const PageFile* find_page_file(std::string_view path);
 
 }  // namespace lefort::server

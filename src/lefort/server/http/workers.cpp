@@ -24,7 +24,7 @@ void Workers::enqueue(std::function<void()> task) {
       task = nullptr;
     }
   }
-  if (task) {  // No room: a word and good-bye, on the thread that accepts.
+  if (task) {  // The queue is full: rejected on the accepting thread.
     is_sending_away = true;
     task();
     is_sending_away = false;
@@ -73,7 +73,7 @@ void Workers::work() {
   }
 }
 
-/// Ends who is slow while others wait.
+/// Evicts slow connections while others wait.
 void Workers::evict_idle() {
   std::unique_lock lock(mutex_);
   while (!is_ending_) {

@@ -1,5 +1,5 @@
 /// \file
-/// Threads that serve connections: so many, and who is slow makes room for who is not.
+/// Pool of threads that serve connections, with eviction of slow ones.
 #pragma once
 
 #include <lefort/server/http/connection.h>
@@ -15,21 +15,21 @@
 
 namespace lefort::server {
 
-/// Those that wait for a thread are ended when there are too many; one that holds a thread without
-/// asking makes room.
+/// New connections are rejected when too many wait for a thread. A connection that occupies a
+/// thread without a request is evicted.
 class Workers final : public httplib::TaskQueue {
  public:
-  /// \param limits  outlive this.
+  /// \param limits  must outlive this.
   explicit Workers(const HttpLimits& limits);
 
   void enqueue(std::function<void()> task) override;
   void shutdown() override;
 
-  /// Connections that may be ended. Those that leave are not touched any more.
+  /// Connections that can be evicted, until they unregister.
   void enter(const Connection* connection);
   void leave(const Connection* connection);
 
-  /// Whether the present thread shall say good-bye to its connection at once.
+  /// Whether the current thread must reject its connection.
   [[nodiscard]] static bool is_rejecting();
 
  private:

@@ -24,9 +24,9 @@ using nlohmann::json;
 using predict::BoundaryLabel;
 using predict::BoundaryLabelMap;
 
-constexpr std::uint64_t kMaxFile = 256 << 20;  // Bytes of a compressed file, as the contract says.
+constexpr std::uint64_t kMaxFile = 256 << 20;  // Bytes of a compressed file, as in the contract.
 
-/// Voxels of the scan from `first` on.
+/// Box of voxels of the scan, from `first`.
 struct Box {
   std::array<Index, 3> first{}, size{};
 
@@ -35,7 +35,7 @@ struct Box {
     return fmt::format("{},{},{},{},{},{}", first[0], first[1], first[2], size[0], size[1],
                        size[2]);
   }
-  /// The voxels, where they are.
+  /// The grid of the box.
   [[nodiscard]] image::Grid of(image::Grid grid) const {
     grid.origin_L = grid.point_L(Vec3(double(first[0]), double(first[1]), double(first[2])));
     grid.size = size;
@@ -43,7 +43,7 @@ struct Box {
   }
 };
 
-/// The box that a query names, within the scan; else nothing.
+/// The box in a query, if it lies within the scan.
 std::optional<Box> box_of(const Request& request, const image::Grid& grid) {
   const auto found = request.query.find("box");
   if (found == request.query.end()) return std::nullopt;
@@ -64,7 +64,7 @@ std::optional<Box> box_of(const Request& request, const image::Grid& grid) {
   return Box{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
 }
 
-/// The smallest box with all that is painted. \pre something is.
+/// The bounding box of the painted voxels. \pre some are painted.
 Box painted_box(const BoundaryLabelMap& painted) {
   std::array<Index, 3> first = painted.grid.size, last{};
   for (Index k = 0; k < painted.grid.size[2]; ++k)
@@ -80,7 +80,7 @@ Box painted_box(const BoundaryLabelMap& painted) {
   return {first, {last[0] - first[0] + 1, last[1] - first[1] + 1, last[2] - first[2] + 1}};
 }
 
-/// What is painted and no more, so that equal paint gives equal files.
+/// Only the painted box, so that equal paint gives equal files.
 BoundaryLabelMap cropped(const BoundaryLabelMap& painted) {
   const Box box = painted_box(painted);
   BoundaryLabelMap part{box.of(painted.grid), {}};
@@ -99,7 +99,7 @@ json rules_json(const predict::BoundaryOptions& options) {
   return rules;
 }
 
-/// What the boundary of the newest mesh of this plan came to hold; null if there is none.
+/// Boundary statistics of the newest mesh of this plan; null if there is none.
 json areas_json(const CaseFolder& folder) {
   const auto areas = [](const char* stage, const json& boundary) -> json {
     json rules = json::array();
@@ -120,7 +120,7 @@ json areas_json(const CaseFolder& folder) {
     if (folder.stage("prediction")["state"] == "fresh")
       return areas("prediction",
                    read_object(folder.prediction() / "prediction.json").at("mesh").at("boundary"));
-  } catch (const json::exception&) {  // Of an older version: as if there were none.
+  } catch (const json::exception&) {  // Written by an older version: ignored.
   }
   return nullptr;
 }
@@ -140,7 +140,7 @@ Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
 
 Response get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.boundary());
-  if (!etag) return not_found("nothing is painted");
+  if (!etag) return not_found("no boundary conditions are painted");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
   if (!ct) return error_response(ct.error());
@@ -153,20 +153,19 @@ Response get_boundary_data(ServedCase& served, const Request& request, const Pat
   return with_etag(std::move(reply), etag);
 }
 
-/// Keeps what was painted, if the page knows what it replaces.
+/// Stores painted boundary conditions if If-Match names the present version.
 ///
-/// \param ct_etag  of the scan that it was painted on.
+/// \param ct_etag  of the scan on which it was painted.
 Response keep(ServedCase& served, const Request& request, const BoundaryLabelMap& painted,
               const std::optional<std::string>& ct_etag) {
   const bool is_painted =
       std::any_of(painted.values.begin(), painted.values.end(),
                   [](BoundaryLabel label) { return label != BoundaryLabel::kNone; });
   if (!is_painted)
-    return error_response(422, "invalid",
-                          "nothing is painted there: DELETE what there was instead");
+    return error_response(422, "invalid", "no voxel is painted: use DELETE to remove the paint");
   const std::scoped_lock lock(served.writing);
   if (served.folder.etag(served.folder.ct()) != ct_etag)
-    return error_response(409, "stale", "the scan was replaced meanwhile: fetch it again");
+    return error_response(409, "stale", "the scan was replaced meanwhile: reload it");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.boundary())))
     return *refused;
   if (const auto written = io::write_boundary_labels(served.folder.boundary(), cropped(painted));
@@ -184,7 +183,7 @@ Response put_boundary_data(ServedCase& served, const Request& request, const Pat
   if (!box)
     return error_response(
         422, "invalid",
-        "box must be six whole numbers, the first voxel and how many along each axis, "
+        "box must be six integers, the first voxel and the number along each axis, "
         "within the scan",
         "box");
   Body body = read_body(request, box->voxels(), "application/octet-stream");
@@ -204,7 +203,7 @@ Response put_boundary_data(ServedCase& served, const Request& request, const Pat
   return keep(served, request, painted, ct_etag);
 }
 
-/// As another program has painted it.
+/// Boundary conditions painted in another program.
 Response put_boundary_file(ServedCase& served, const Request& request, const PathValues&) {
   const auto ct_etag = served.folder.etag(served.folder.ct());
   const auto ct = served.volume();
@@ -226,14 +225,16 @@ Response put_boundary_file(ServedCase& served, const Request& request, const Pat
 Response delete_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
   const std::scoped_lock lock(served.writing);
   const auto etag = served.folder.etag(served.folder.boundary());
-  if (!etag) return not_found("nothing is painted");
+  if (!etag) return not_found("no boundary conditions are painted");
   if (auto refused = check_precondition(request, etag)) return *refused;
   if (names_boundary(read_object(served.folder.plan())))
-    return error_response(409, "not_allowed",
-                          "the plan names what was painted: take boundary.labels out first");
+    return error_response(
+        409, "not_allowed",
+        "the plan uses the painted boundary conditions: remove boundary.labels first");
   std::error_code error;
   fs::remove(served.folder.boundary(), error);
-  if (error) return error_response(500, "internal", "what was painted cannot be removed");
+  if (error)
+    return error_response(500, "internal", "the painted boundary conditions cannot be removed");
   served.report_stages();
   return empty_reply();
 }

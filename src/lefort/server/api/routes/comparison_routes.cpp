@@ -17,10 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A number per vertex of a surface that pages may have.
+/// A scalar field on a surface that a page can request.
 struct NamedValues {
   std::string_view name;
-  /// Nothing if no segment can be called so.
+  /// Nothing if the segment name is not valid.
   std::optional<fs::path> (*file)(const CaseFolder&, std::string_view segment);
   const char* array;  ///< In the file.
 };
@@ -45,22 +45,21 @@ Response get_values(ServedCase& served, const Request& request, const PathValues
     const auto segment = request.query.find("segment");
     const auto file =
         named.file(served.folder, segment == request.query.end() ? "" : segment->second);
-    if (!file) return not_found("no segment is called so");
+    if (!file) return not_found("no such segment");
     const auto etag = served.folder.etag(*file);
-    if (!etag) return not_found("there are no such values yet");
+    if (!etag) return not_found("these values are not computed yet");
     if (is_not_modified(request, etag)) return not_modified(etag);
     const auto numbers = io::read_vertex_array(*file, named.array);
-    if (!numbers)
-      return not_found("there are no such values: they were not made, or predict again");
+    if (!numbers) return not_found("these values do not exist: predict again");
     return with_etag(binary_response(shared_bytes(encode_floats(*numbers))), etag);
   }
-  return not_found("there are no values of that name");
+  return not_found("no values of that name");
 }
 
 Response get_comparison(ServedCase& served, const Request& request, const PathValues&) {
   const fs::path file = served.folder.comparison() / "compare.json";
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_found("nothing was compared yet");
+  if (!etag) return not_found("the case has no comparison");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const json found = read_object(file);
   try {

@@ -45,8 +45,8 @@ Response get_file(ServedCase& served, const Request&, const PathValues& values) 
   const NamedFile* const file = find_named(file_catalog(), values[0]);
   const std::optional<fs::path> path =
       file != nullptr ? file->path(served.folder) : segment_result(served.folder, values[0]);
-  if (!path) return not_found("there is no file of that name");
-  if (!there_is(*path)) return not_found("there is no such file yet");
+  if (!path) return not_found("no file of that name");
+  if (!there_is(*path)) return not_found("this file does not exist yet");
   Response reply;
   reply.type = "application/octet-stream";
   reply.file = *path;

@@ -19,8 +19,7 @@ Response post_upload(ServedCase& served, const Request&, const PathValues&) {
 
 Response put_upload_file(ServedCase& served, const Request& request, const PathValues& values) {
   const auto index = number_of(values[1], 0, served.uploads.limits().files - 1);
-  if (!index)
-    return error_response(422, "invalid", "the index must be a small whole number", "index");
+  if (!index) return error_response(422, "invalid", "the index must be a small integer", "index");
   const auto name = request.query.find("name");
   if (name == request.query.end())
     return error_response(422, "invalid", "the file's name must be given", "name");
@@ -43,10 +42,10 @@ Response post_job(ServedCase& served, const Request& request, const PathValues&)
   const std::string kind = (*body.value)["kind"];
   const auto kinds = job_kinds();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    return error_response(501, "unavailable", fmt::format("this lefort cannot {} yet", kind),
-                          "kind");
+    return error_response(501, "unavailable",
+                          fmt::format("this version of lefort has no job {}", kind), "kind");
   body.value->erase("kind");
-  const std::scoped_lock lock(served.writing);  // Not amid a change that waits for jobs to be done.
+  const std::scoped_lock lock(served.writing);  // Not during a change that waits for jobs to end.
   const auto job = served.jobs.submit(kind, *std::move(body.value));
   if (!job) return error_response(429, "limit", job.error().message);
   return json_response(as_json(*job), 202);
@@ -55,7 +54,7 @@ Response post_job(ServedCase& served, const Request& request, const PathValues&)
 Response get_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.find(*id) : std::nullopt;
-  return job ? json_response(as_json(*job)) : not_found("there is no such job");
+  return job ? json_response(as_json(*job)) : not_found("no such job");
 }
 
 Response get_job_iterates(ServedCase& served, const Request&, const PathValues& values) {
@@ -67,7 +66,7 @@ Response get_job_iterates(ServedCase& served, const Request&, const PathValues& 
 Response delete_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.cancel(*id) : std::nullopt;
-  return job ? json_response(as_json(*job)) : not_found("there is no such job");
+  return job ? json_response(as_json(*job)) : not_found("no such job");
 }
 
 Response get_events(ServedCase&, const Request& request, const PathValues&) {

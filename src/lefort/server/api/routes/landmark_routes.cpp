@@ -29,7 +29,7 @@ json as_points(const plan::Landmarks& landmarks) {
 
 Response get_landmarks(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.landmarks());
-  if (!etag) return not_found("there are no landmarks yet");
+  if (!etag) return not_found("the case has no landmarks");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto landmarks = io::read_landmarks(served.folder.landmarks());
   if (!landmarks) return error_response(landmarks.error());

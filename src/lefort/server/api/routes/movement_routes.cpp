@@ -19,9 +19,9 @@ using nlohmann::json;
 
 constexpr const char* kPreviewNote = "preview, not a prediction";
 
-/// Poses of a body that fits the contract; or why they are none.
+/// Poses in a body that matches the contract, or the error response.
 Result<Poses> as_poses(const json& poses) {
-  constexpr double kRigid = 1e-5;  // Pages send what they multiplied in single precision.
+  constexpr double kRigid = 1e-5;  // Pages multiply in single precision.
   Poses result;
   for (const auto& [name, numbers] : poses.items()) {
     Eigen::Matrix4d matrix;
@@ -33,10 +33,11 @@ Result<Poses> as_poses(const json& poses) {
                           (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kRigid &&
                           matrix.topRightCorner<3, 1>().norm() < 1e5;
     if (!is_rigid)
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("poses.{} is no rigid motion: rows of a 4 by 4 matrix, translation "
-                              "in the last column",
-                              name));
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("poses.{} is not a rigid motion: rows of a 4 by 4 matrix, translation "
+                      "in the last column",
+                      name));
     RigidTransform pose = RigidTransform::Identity();
     pose.linear() = turn;
     pose.translation() = matrix.topRightCorner<3, 1>();
@@ -51,7 +52,7 @@ Response post_poses(ServedCase& served, const Request& request, const PathValues
   const auto poses = as_poses((*body.value)["poses"]);
   if (!poses) return error_response(poses.error(), "poses");
   const auto etag = served.folder.etag(served.folder.cut() / "cut.json");
-  if (!etag) return error_response(409, "not_ready", "no bone was cut yet: run the job cut first");
+  if (!etag) return error_response(409, "not_ready", "no bone is cut: run the job cut first");
   const auto bones = served.cached_bones.get("bones", *etag, [&] {
     return OverlapService::read(served.folder.cut(), served.folder.cache());
   });
@@ -68,7 +69,7 @@ Response post_poses(ServedCase& served, const Request& request, const PathValues
   return reply;
 }
 
-/// In the plan's order; none if there is no preview.
+/// Segments in the plan's order; none if there is no preview.
 std::vector<std::string> previewed_segments(ServedCase& served) {
   const json document = read_object(served.folder.preview() / "preview.json");
   std::vector<std::string> names;
@@ -85,8 +86,7 @@ Response post_preview(ServedCase& served, const Request& request, const PathValu
   if (!poses) return error_response(poses.error(), "poses");
   const auto segments = previewed_segments(served);
   if (segments.empty())
-    return error_response(409, "not_ready",
-                          "no preview was prepared yet: run the job preview-factor");
+    return error_response(409, "not_ready", "no preview is prepared: run the job preview-factor");
   std::vector<RigidTransform> X_LB;
   for (const std::string& segment : segments)
     if (const auto pose = poses->find(segment); pose != poses->end()) X_LB.push_back(pose->second);
@@ -107,8 +107,7 @@ Response post_preview(ServedCase& served, const Request& request, const PathValu
 
 Response get_preview_distance(ServedCase& served, const Request&, const PathValues&) {
   if (!served.folder.etag(served.folder.prediction() / "prediction.json"))
-    return error_response(409, "not_ready",
-                          "there is no prediction to hold the preview against yet");
+    return error_response(409, "not_ready", "no prediction to compare the preview with");
   const auto face = served.preview();
   if (!face) return error_response(409, "not_ready", face.error().message);
   const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");

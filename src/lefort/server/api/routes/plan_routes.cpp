@@ -15,7 +15,7 @@ using nlohmann::json;
 
 Response get_plan(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.plan());
-  if (!etag) return not_found("there is no plan yet");
+  if (!etag) return not_found("the case has no plan");
   if (is_not_modified(request, etag)) return not_modified(etag);
   auto text = io::read_text(served.folder.plan(), kMaxDocument);
   if (!text) return error_response(text.error());
@@ -33,7 +33,8 @@ Response put_plan(ServedCase& served, const Request& request, const PathValues&)
   if (!plan) return error_response(422, "invalid", plan.error().message, "plan");
   const std::scoped_lock lock(served.writing);
   if (names_boundary(*body.value) && !there_is(served.folder.boundary()))
-    return error_response(422, "invalid", "boundary.labels: nothing was painted yet", "plan");
+    return error_response(422, "invalid", "boundary.labels: no boundary conditions are painted",
+                          "plan");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.plan())))
     return *refused;
   if (const auto written = io::write_text(served.folder.plan(), body.text); !written)
@@ -49,7 +50,7 @@ Response get_plan_poses(ServedCase& served, const Request& request, const PathVa
   const auto count = query_number(request, "count", 12, 1, 1000);
   if (!count) return error_response(count.error(), "count");
   const auto text = io::read_text(served.folder.plan(), kMaxDocument);
-  if (!text) return not_found("there is no plan yet");
+  if (!text) return not_found("the case has no plan");
   if (const auto files = check_files_of_plan(*text); !files) return error_response(files.error());
   const auto plan = io::parse_plan(*text, served.folder.root());
   if (!plan) return error_response(plan.error(), "plan");
@@ -66,7 +67,7 @@ Response get_plan_poses(ServedCase& served, const Request& request, const PathVa
 Response post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "OsteotomyRequest");
   if (!body.value) return body.refused;
-  // As a plan that has it would be read.
+  // Read as a plan reads it.
   const json plan_json{{"lefort_plan", 1},
                        {"landmarks", (*body.value)["landmarks"]},
                        {"segments",

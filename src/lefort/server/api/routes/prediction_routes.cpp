@@ -19,15 +19,15 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kMaxSteps = 1000;  // As the contract says.
-constexpr const char* kNoStep = "there is no such step";
+constexpr int kMaxSteps = 1000;  // As in the contract.
+constexpr const char* kNoStep = "no such step";
 
 Response get_prediction(ServedCase& served, const Request& request, const PathValues&) {
   const fs::path failure = served.folder.prediction() / "failure.json";
   const fs::path file =
       there_is(failure) ? failure : served.folder.prediction() / "prediction.json";
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_found("there is no prediction yet");
+  if (!etag) return not_found("the case has no prediction");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const json document = read_object(file);
   json steps = json::array();
@@ -70,7 +70,7 @@ Response get_prediction(ServedCase& served, const Request& request, const PathVa
   }
 }
 
-/// kFileNotFound if there is no such step.
+/// \returns kFileNotFound if there is no such step.
 Result<std::vector<Vec3>> step_displacement(ServedCase& served, const std::string& step) {
   const auto number = number_of(step, 1, kMaxSteps);
   const auto etag = served.folder.etag(served.folder.prediction() / "prediction.json");
@@ -92,7 +92,7 @@ Response get_prediction_step(ServedCase& served, const Request&, const PathValue
   return binary_response(shared_bytes(encode_floats(*displacement_mm)));
 }
 
-/// The face's regions by the case's landmarks, and what is left out for want of them.
+/// Regions of the face from the case's landmarks, and those without their landmarks.
 struct RegionsFound {
   compare::FaceRegions regions;
   std::vector<std::string> missing;
@@ -105,7 +105,7 @@ Result<RegionsFound> find_regions(const CaseFolder& folder) {
   }
   auto regions = compare::FaceRegions::from(landmarks);
   if (regions) return RegionsFound{*regions, regions->missing()};
-  // Of landmarks that contradict each other: the whole face can be told all the same.
+  // Contradictory landmarks: only the whole face is measured.
   LEFORT_TRY(const auto none, compare::FaceRegions::from({}));
   return RegionsFound{none, {regions.error().message}};
 }

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 constexpr int kMaxEvery = 16;
 
-/// Each n-th voxel along each axis.
+/// Every n-th voxel along each axis.
 template <class Value>
 std::string every_nth(const image::Grid& grid, const std::vector<Value>& values, Index every) {
   std::string bytes;
@@ -78,7 +78,7 @@ Response get_volume_data(ServedCase& served, const Request& request, const PathV
 
 Response get_labels(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.labels());
-  if (!etag) return not_found("there are no labels yet");
+  if (!etag) return not_found("the case has no labels");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
   if (!ct) return error_response(ct.error());
@@ -92,7 +92,7 @@ Response get_labels_data(ServedCase& served, const Request& request, const PathV
   const auto every = query_number(request, "every", 1, 1, kMaxEvery);
   if (!every) return error_response(every.error(), "every");
   const auto etag = served.folder.etag(served.folder.labels());
-  if (!etag) return not_found("there are no labels yet");
+  if (!etag) return not_found("the case has no labels");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
   if (!ct) return error_response(ct.error());
@@ -123,9 +123,9 @@ Response put_labels_data(ServedCase& served, const Request& request, const PathV
   }
   const std::scoped_lock lock(served.writing);
   if (!served.jobs.is_idle())
-    return error_response(409, "busy", "a job is at work: labels can be changed when it is done");
+    return error_response(409, "busy", "a job is running: labels can be changed when it has ended");
   if (served.folder.etag(served.folder.ct()) != ct_etag)
-    return error_response(409, "stale", "the scan was replaced meanwhile: fetch it again");
+    return error_response(409, "stale", "the scan was replaced meanwhile: reload it");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.labels())))
     return *refused;
   std::error_code error;

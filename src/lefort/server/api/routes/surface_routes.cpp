@@ -17,7 +17,7 @@ using nlohmann::json;
 
 Response surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_found("there is no such surface yet");
+  if (!etag) return not_found("this surface does not exist yet");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto bytes = served.cached_surfaces.get(file.string(), *etag, [&]() -> Result<std::string> {
     LEFORT_TRY(const geometry::TriangleMesh mesh, io::read_surface(file));
@@ -49,12 +49,12 @@ Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
 
 Response get_surface(ServedCase& served, const Request& request, const PathValues& values) {
   const NamedFile* const surface = find_named(surface_catalog(), values[0]);
-  if (surface == nullptr) return not_found("there is no surface of that name");
+  if (surface == nullptr) return not_found("no surface of that name");
   return surface_reply(served, request, surface->path(served.folder));
 }
 
 Response get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
-  if (!is_segment_name(values[0])) return not_found("no segment is called so");
+  if (!is_segment_name(values[0])) return not_found("no such segment");
   return surface_reply(served, request,
                        served.folder.cut() / fmt::format("segment_{}.vtp", values[0]));
 }

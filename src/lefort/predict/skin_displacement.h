@@ -1,0 +1,19 @@
+/// \file
+/// Statistics of the displacement of the skin.
+#pragma once
+
+#include <lefort/core/types.h>
+
+#include <span>
+
+namespace lefort::predict {
+
+struct SkinDisplacement {
+  double max_mm = 0.0;              ///< 0 without vertices.
+  double mean_over_moved_mm = 0.0;  ///< Mean over vertices displaced by more than 0.5 mm, else 0.
+};
+
+/// \param displacement_mm  of every vertex of the skin.
+[[nodiscard]] SkinDisplacement measure_skin_displacement(std::span<const Vec3> displacement_mm);
+
+}  // namespace lefort::predict
