@@ -183,7 +183,7 @@ TEST_F(SolveCommand, WritesStepsProbesAndAllThatDocumentsThem) {
   for (const char* key :
        {"residual_n", "relative_residual", "energy_mj", "step_length", "contact_points"})
     EXPECT_TRUE(newton[0].contains(key)) << key;
-  for (const char* phase : {"read", "assembly", "factorisation", "solve", "output"})
+  for (const char* phase : {"read", "assembly", "factorization", "solve", "output"})
     EXPECT_TRUE(result["timing"]["phase_seconds"].contains(phase)) << phase;
   EXPECT_GT(result["timing"]["peak_memory_mb"], 1.0);
 }

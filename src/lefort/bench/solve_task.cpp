@@ -160,16 +160,16 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
     else
       ++failed;
   }
-  return Json{{"solver", name_of(solver.kind())},
-              {"load", task.load},
-              {"load_levels", levels},
-              {"failed_attempts", failed},
-              {"newton_iterations", iterations},
-              {"linear_iterations", solver.statistics().iterations},
-              {"factorizations", solver.statistics().factorizations},
-              {"max_residual_n",
-               assembler.dofs().free_part(forces->residual_n).lpNorm<Eigen::Infinity>()},
-              {"energy_mj", forces->energy_mj}};
+  return Json{
+      {"solver", name_of(solver.kind())},
+      {"load", task.load},
+      {"load_levels", levels},
+      {"failed_attempts", failed},
+      {"newton_iterations", iterations},
+      {"linear_iterations", solver.statistics().iterations},
+      {"factorizations", solver.statistics().factorizations},
+      {"max_residual_n", assembler.dofs().free_part(forces->residual_n).lpNorm<Eigen::Infinity>()},
+      {"energy_mj", forces->energy_mj}};
 }
 
 }  // namespace

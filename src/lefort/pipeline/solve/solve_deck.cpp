@@ -35,7 +35,7 @@ const char* name_of(fem::SolvePhase phase) {
     case fem::SolvePhase::kAssembly:
       return "assembly";
     case fem::SolvePhase::kFactorization:
-      return "factorisation";
+      return "factorization";
     case fem::SolvePhase::kSolve:
       return "solve";
     case fem::SolvePhase::kNone:
