@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace lefort::test::dicom_writer {
+namespace lefort::test {
 
 namespace {
 
@@ -140,4 +140,4 @@ void compress_dicom(const std::filesystem::path& file, Codec codec) {
   ASSERT_TRUE(writer.Write());
 }
 
-}  // namespace lefort::test::dicom_writer
+}  // namespace lefort::test

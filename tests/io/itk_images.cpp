@@ -7,7 +7,7 @@
 #include <itkNiftiImageIOFactory.h>
 #include <itkNrrdImageIOFactory.h>
 
-namespace lefort::test::itk_images {
+namespace lefort::test {
 
 ItkImage read_itk_image(const std::string& file) {
   itk::NrrdImageIOFactory::RegisterOneFactory();
@@ -32,4 +32,4 @@ ItkImage read_itk_image(const std::string& file) {
   return read;
 }
 
-}  // namespace lefort::test::itk_images
+}  // namespace lefort::test

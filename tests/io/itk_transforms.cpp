@@ -9,7 +9,7 @@
 
 #include <stdexcept>
 
-namespace lefort::test::itk_transforms {
+namespace lefort::test {
 namespace {
 
 using Transform = itk::Transform<double, 3, 3>;
@@ -53,4 +53,4 @@ void write_itk_transform(const std::string& file, ItkKind kind, const ItkPoint& 
   writer->Update();
 }
 
-}  // namespace lefort::test::itk_transforms
+}  // namespace lefort::test
