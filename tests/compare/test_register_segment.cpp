@@ -49,7 +49,7 @@ TEST(RegisterSegment, FindsTheAchievedAndNotThePlannedMovement) {
   const RigidTransform planned = rigid_motion({0, -6, 0}, Vec3::Zero(), kSegmentCenter);
   const RigidTransform achieved =
       rigid_motion({0.8, -7.1, -1.4}, {0.05, -0.02, 0.03}, kSegmentCenter);
-  const RigidTransform other_scan = rigid_motion({20, -35, 12}, {0.2, -0.1, 0.25}, {});
+  const RigidTransform other_scan = rigid_motion({20, -35, 12}, {0.2, -0.1, 0.25}, Vec3::Zero());
   const geometry::TriangleMesh after = transformed(
       test::joined(
           test::make_blob(Vec3::Zero(), kSkullRadii_mm, 5, test::some_twist()),

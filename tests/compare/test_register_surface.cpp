@@ -61,9 +61,9 @@ TEST(RegisterSurface, IgnoresAPartThatMoved) {
   const auto still = test::make_blob(Vec3::Zero(), kRadii_mm, 5);
   const auto segment = test::make_blob({0, -85, -40}, {30, 25, 25}, 4);
   const auto before = test::joined(still, segment);
-  const auto after =
-      test::joined(still, transformed(segment, rigid_motion({0, -8, -3}, {0.1, 0, 0}, {})));
-  const RigidTransform X = rigid_motion({5, 2, -4}, {0.05, 0.02, -0.1}, {});
+  const auto after = test::joined(
+      still, transformed(segment, rigid_motion({0, -8, -3}, {0.1, 0, 0}, Vec3::Zero())));
+  const RigidTransform X = rigid_motion({5, 2, -4}, {0.05, 0.02, -0.1}, Vec3::Zero());
   const auto found = register_surface(before, geometry::Bvh(transformed(after, X)), kAsItIs);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_LT(max_miss_mm(found->X_onto_from, X, before), 0.02);
@@ -120,7 +120,7 @@ TEST(RegisterSurface, CanBeStopped) {
 
 TEST(RegisterSurface, SameBitsForAnyNumberOfThreads) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 4);
-  const geometry::Bvh onto(transformed(from, rigid_motion({1, 2, 3}, {0.1, 0, 0}, {})));
+  const geometry::Bvh onto(transformed(from, rigid_motion({1, 2, 3}, {0.1, 0, 0}, Vec3::Zero())));
   const auto with = [&](int threads) {
     const ThreadLimit limit(threads);
     return register_surface(from, onto, kAsItIs).value().X_onto_from.matrix().eval();

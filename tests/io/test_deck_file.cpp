@@ -266,7 +266,7 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Json& j) {
                   j["displacements"][0]["curve"] = {{0.5, 0}, {0.25, 1}};
                 },
-                "displacements[0].curve: the curve's times must ascend"},
+                "displacements[0].curve: the times of the curve must ascend"},
         BadDeck{"CurveBeyondTheEnd",
                 [](Json& j) {
                   j["displacements"][0]["curve"] = {{0, 0}, {2, 1}};

@@ -168,7 +168,7 @@ TEST(FieldFile, ReportsTheErrorOfAForgedHeader) {
   EXPECT_TRUE(contains(decode_error(with_value(good, kResolutionAt, -16)), "resolution"));
   EXPECT_TRUE(contains(decode_error(with_value(good, kResolutionAt, 8)), "table has"));
   EXPECT_TRUE(contains(decode_error(with_value(encode_field(small_octree()), kResolutionAt, 8)),
-                       "no tree"));
+                       "octree is invalid"));
   EXPECT_TRUE(contains(decode_error(with_value(encode_field(small_fields()[4]), kResolutionAt, 8)),
                        "bytes of samples"));
   EXPECT_TRUE(contains(decode_error(with_value(good, kCellAt, nan)), "cells are nan"));

@@ -522,7 +522,8 @@ TEST(PlanFile, RefusesAKeyThatStandsTwice) {
   };
   EXPECT_EQ(complaint("\"title\"", "\"title\": \"other\", "), "key title stands twice");
   EXPECT_EQ(complaint("\"bone_hu\"", "\"bone_hu\": 500, "), "key bone_hu stands twice");
-  EXPECT_EQ(complaint("\"translation_mm\"", "\"at\": 0.25, "), "key at stands twice");
+  EXPECT_EQ(complaint("\"translation_mm\"", "\"path_fraction\": 0.25, "),
+            "key path_fraction stands twice");
 }
 
 TEST(PlanFile, RefusesMoreValuesThanTheirComplaintsHaveRoomFor) {

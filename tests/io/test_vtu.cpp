@@ -404,7 +404,7 @@ TEST(ReadVtu, RejectsInvalidSets) {
   EXPECT_EQ(error_message(with_face("0 1 2", set_array("a&#10;b", "0 0 0 0"), "")),
             "a set has an unprintable name");
   EXPECT_EQ(error_message(with_face("0 1 1", "", "")),
-            "face set \"region 9\": the face with corners 0, 1, 1 lies on no element");
+            "face set \"region 9\": the face with corners 0, 1, 1 belongs to no element");
 }
 
 /// Gmsh, Abaqus and many others number the triangles of a wedge in reverse.

@@ -78,7 +78,7 @@ TEST(StageCache, AResultThatCannotBeCachedIsReturned) {
   TextStage stage{StageCache(folder / "cache")};
   RecordedProgress reported;
   EXPECT_EQ(stage.get(kKey, reported).value(), "made for " + kKey);
-  EXPECT_NE(reported.notes.find("text.txt is not kept"), std::string::npos) << reported.notes;
+  EXPECT_NE(reported.notes.find("text.txt is not cached"), std::string::npos) << reported.notes;
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST(Jobs, AnExceptionInAJobStopsNeitherWorkerNorServer) {
   ASSERT_TRUE(jobs.submit("works", json::object()));
   EXPECT_EQ(wait_for(jobs, 2).state, "done");
   EXPECT_EQ(jobs.find(1)->state, "failed");
-  EXPECT_EQ(jobs.find(1)->message, "an internal error");
+  EXPECT_EQ(jobs.find(1)->message, "internal error");
 }
 
 TEST(Jobs, AnExceptionInTheCallbackDoesNotStopTheWorker) {

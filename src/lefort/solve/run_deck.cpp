@@ -243,11 +243,9 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
         last.t, describe_place(mesh, *mode));
   if (mode && met_instability(attempts))
     return fmt::format(
-        "at load level {:.6g} the tangent is positive definite (weakest mode: {}), but Newton "
-        "found "
-        "indefinite tangents beyond it: the load may lie beyond a limit point, where the body "
-        "buckles "
-        "or collapses",
+        "at load level {:.6g} the tangent is positive definite (weakest mode: {}), but beyond it "
+        "Newton found tangents that are not positive definite: the load may lie beyond a limit "
+        "point, where the body buckles or collapses",
         last.t, describe_place(mesh, *mode));
   return fmt::format(
       "smallest J: {}; a smaller steps.min_increment or more newton.max_iterations may help",
