@@ -268,7 +268,7 @@ const BadInput kBadInput[] = {
        "value": "p.mrk.json"}, {"op": "add", "path": "/segments/0/osteotomy/anchor_points",
        "value": ["A"]}])") +
          markup(R"({"controlPoints": [{"label": "A", "position": [0, -900, 0]}]})"),
-     kCheck, "lies within 5 mm of (0.0, -900.0, 0.0)"},
+     kCheck, "lies within 5 mm of the anchor point (0.0, -900.0, 0.0)"},
     {"a skull with a hole", "cp $good/plan.json .",
      "plan check plan.json --skull $good/open.stl -o out --no-pictures", "the surface is open"},
     {"a skull that is none", "cp $good/plan.json .; echo solid > skull.stl",

@@ -127,7 +127,7 @@ TEST(CommandLine, DeprecatedOptionsAreAcceptedWithAWarning) {
     return run_lefort("field build " + quoted(folder / "ball.stl") + " -o " +
                       quoted(folder / "ball.field") + " --resolution 16 --json --quiet " + options);
   };
-  const auto now = build("--domain-size 64 --band 4"), before = build("--side 64 --band 4");
+  const auto now = build("--domain-size 64 --band 8"), before = build("--side 64 --band 8");
   ASSERT_EQ(now.exit_code, 0) << now.error;
   ASSERT_EQ(before.exit_code, 0) << before.error;
   EXPECT_EQ(now.out, before.out);
