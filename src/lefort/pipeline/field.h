@@ -25,7 +25,7 @@ struct QueryFieldJob {
   std::filesystem::path field;
   std::filesystem::path points;  ///< Text: x, y, z in mm a line, separated by commas or spaces.
   std::filesystem::path output;  ///< CSV.
-  bool smooth = false;           ///< The differentiable reconstruction.
+  bool smooth = false;           ///< Smooth interpolation.
 };
 /// Field and points -> distance, gradient and zone of each point.
 [[nodiscard]] Result<Summary> query_field(const QueryFieldJob& job, Progress& progress);
@@ -48,7 +48,7 @@ struct SliceFieldJob {
   std::optional<int> every;                   ///< Instead: pixels of so many cells of the field.
   std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
   std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn.
-  bool smooth = false;                        ///< The differentiable reconstruction.
+  bool smooth = false;                        ///< Smooth interpolation.
 };
 /// Field -> picture of a plane through it.
 [[nodiscard]] Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress);
