@@ -18,7 +18,7 @@ namespace lefort::contact {
 /// \returns the current positions of the nodes [mm].
 [[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Max number of multiplier updates in one increment. With the default stiffness, ten times that of
+/// Max number of multiplier updates in one increment. With a contact stiffness ten times that of
 /// the tissue, an update removes about nine tenths of the remaining depth.
 inline constexpr int kMaxMultiplierUpdates = 30;
 

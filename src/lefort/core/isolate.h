@@ -6,9 +6,8 @@
 
 namespace lefort {
 
-/// Runs body(). A thread that waits for the end of a parallel loop in it does not execute
-/// iterations of outer loops meanwhile: they may be long, and would delay the code after the inner
-/// loop.
+/// Runs body(). While a thread waits for a parallel loop inside body(), it executes no iterations
+/// of loops outside. They may be long and would delay the code after the inner loop.
 ///
 /// \param body  is called once, in the calling thread.
 void isolate(const std::function<void()>& body);

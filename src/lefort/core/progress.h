@@ -14,7 +14,8 @@ class Progress {
   /// A named stage begins, for example "mesh the soft tissue".
   virtual void begin_stage(std::string_view /*name*/) {}
 
-  /// Fraction of the current stage that is done, 0 to 1. Called from the calling thread only.
+  /// Fraction of the current stage that is done, 0 to 1. Called only in the thread that called the
+  /// reporting function.
   virtual void report(double /*fraction*/) {}
 
   /// A message for the user: a warning, or the value chosen for an option that was not set.

@@ -4,7 +4,7 @@
 /// The sanitizer recognizes only synchronization in code that was compiled with it. Debian's TBB
 /// was not: every TBB loop would be reported as a race, and suppressing these reports would hide
 /// true races. In those builds parallel.h uses this loop, which starts and joins its own threads;
-/// any race that is reported is one of lefort.
+/// every reported race is then a race in lefort.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -17,7 +17,7 @@ namespace lefort {
 /// thread.
 ///
 /// \param count    > 0.
-/// \param threads  most threads to use, > 0.
+/// \param threads  maximum number of threads, > 0.
 /// \param body     called concurrently.
 /// \throws one of the exceptions that bodies throw.
 void thread_loop(Index count, int threads, const std::function<void(Index)>& body);

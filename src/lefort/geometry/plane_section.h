@@ -11,8 +11,8 @@
 namespace lefort::geometry {
 
 /// Segments of the intersection, one for each triangle that crosses the plane. A vertex in the
-/// plane counts as above it, so a closed surface gives closed lines, and a triangle in the plane
-/// none.
+/// plane counts as above it. So a closed surface gives closed lines, and a triangle in the plane
+/// gives no line.
 ///
 /// \param mesh   any triangle soup.
 /// \param axis   normal of the plane: 0 x, 1 y, 2 z.

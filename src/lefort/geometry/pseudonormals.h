@@ -38,20 +38,21 @@ class Pseudonormals {
   Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides);
 
   /// Pseudonormal of a feature. Face: unit normal, zero without area. Edge: sum of the unit normals
-  /// of its faces. Vertex: unit vector, or zero where normals cancel (paper, equation 1).
+  /// of its faces. Vertex: unit vector, or zero where normals cancel (\cite lefort-paper,
+  /// equation 1).
   ///
   /// \param mesh      the surface this was computed from.
   /// \param triangle  number of a triangle at the feature.
   /// \param feature   of that triangle.
   [[nodiscard]] Vec3 at(const TriangleMesh& mesh, Index triangle, Feature feature) const;
 
-  /// Pseudonormal of a vertex: a unit vector, or zero where normals cancel or no triangle is.
+  /// Pseudonormal of a vertex: a unit vector, or zero where normals cancel or no triangle uses it.
   [[nodiscard]] Vec3 at_vertex(const TriangleMesh& mesh, Index vertex) const;
 
  private:
   /// The triangles at a vertex.
   struct Corners {
-    std::int32_t first = -1;  ///< 3 * triangle + corner; ~ the position in of_irregular_vertex_.
+    std::int32_t first = -1;  ///< 3 * triangle + corner; or ~position in of_irregular_vertex_.
     std::int32_t count = 0;
   };
 
@@ -63,7 +64,7 @@ class Pseudonormals {
   std::vector<Vec3> of_face_;
   std::vector<Corners> at_vertex_;
   std::vector<Vec3> of_irregular_vertex_;
-  /// By triangle and side: the triangle beyond the edge, or ~ the position in of_irregular_edge_ if
+  /// By triangle and side: the triangle beyond the edge, or ~position in of_irregular_edge_ if
   /// there is none, there are several, or one of the two has no area.
   std::vector<std::array<std::int32_t, 3>> opposite_triangle_;
   std::vector<Vec3> of_irregular_edge_;

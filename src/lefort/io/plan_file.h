@@ -43,9 +43,9 @@ struct PlanText {
 ///
 /// Files that the plan names (landmarks, targets, transforms, curves) are read, too.
 ///
-/// \returns kFileNotFound; what reading a named file returns; kPlanInvalid with the key and what is
-/// wrong with it, as `tissue: unknown
-///   key "color"`. A key that stands twice in an object is wrong, since parsers differ on it.
+/// \returns the plan; or kFileNotFound; what reading a named file returns; kPlanInvalid with the
+///   key and the error, for example `tissue: unknown key "color"`. A key that occurs twice in an
+///   object is an error, because parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);
 

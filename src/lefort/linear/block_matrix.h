@@ -13,7 +13,7 @@
 
 namespace lefort::linear {
 
-/// Row i consists of the blocks start[i] to start[i + 1], by ascending column.
+/// Row i consists of the blocks start[i] to start[i + 1] - 1, by ascending column.
 template <int kRows, int kColumns>
 struct BlockMatrix {
   using Block = Eigen::Matrix<double, kRows, kColumns>;
@@ -83,7 +83,7 @@ class SymmetricBlocks {
  private:
   BlockMatrix<3, 3> matrix_;
   std::vector<std::int32_t> block_row_;
-  std::vector<std::int32_t> offset_;  ///< By value of A: its position in the values of the blocks.
+  std::vector<std::int32_t> offset_;  ///< For each value of A: its position in the blocks.
   /// The same for the transposed entry above the diagonal.
   std::vector<std::int32_t> mirror_offset_;
 };

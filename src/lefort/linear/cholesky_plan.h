@@ -25,7 +25,7 @@ struct Supernode {
   std::int32_t own = 0;        ///< Number of rows it eliminates, > 0.
   std::int32_t below = 0;      ///< Number of rows of its update matrix.
   std::int32_t parent = -1;    ///< -1 for a root.
-  /// Its subtree consists of the supernodes from this one to itself.
+  /// The subtree of supernode s consists of the supernodes first_descendant to s.
   std::int32_t first_descendant = 0;
   std::int64_t panel = 0;        ///< Offset of its columns in the factor.
   std::int64_t rows_offset = 0;  ///< Offset of its rows in a vector over the rows of all fronts.

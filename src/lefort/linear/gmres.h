@@ -15,7 +15,7 @@ namespace lefort::linear {
 
 struct GmresOutcome {
   VectorX x;
-  double left = 0.0;  ///< |b - A x| / |b|.
+  double left = 0.0;  ///< Relative residual |b - A x| / |b|.
 };
 
 /// Solves A x = b from zero with flexible GMRES without restart (\cite saad2003, algorithm 9.6).
@@ -25,7 +25,7 @@ struct GmresOutcome {
 /// \param precondition    precondition(r): approximately A^-1 r, or nothing if it failed.
 /// \param b               right-hand side.
 /// \param tolerance       relative residual at which it stops.
-/// \param max_iterations  after which it stops, too; >= 1.
+/// \param max_iterations  maximum number of iterations; >= 1.
 /// \returns nothing if an iteration failed.
 template <class Multiply, class Precondition>
 [[nodiscard]] std::optional<GmresOutcome> solve_by_gmres(const Multiply& multiply,

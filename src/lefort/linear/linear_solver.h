@@ -17,7 +17,7 @@ namespace lefort::linear {
 
 /// Methods of the solver.
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,     ///< Direct for small systems, multigrid for large ones; see docs/decisions/0005.
+  kAutomatic,     ///< Direct up to direct_rows, multigrid above (docs/decisions/0005).
   kDirect,        ///< Multifrontal Cholesky factorization.
   kReusedFactor,  ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
   kMultigrid      ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
@@ -26,7 +26,7 @@ enum class LinearSolverKind : std::uint8_t {
 /// Method and limits of the solver.
 struct LinearSolverOptions {
   LinearSolverKind kind = LinearSolverKind::kAutomatic;
-  Index direct_rows = 60000;  ///< Automatic: most rows that are solved directly, >= 0.
+  Index direct_rows = 60000;  ///< kAutomatic: largest system that is solved directly, >= 0.
   int max_iterations = 300;   ///< Of conjugate gradients; >= 1.
   std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< Most memory of a factor, > 0.
 };

@@ -20,8 +20,9 @@ namespace lefort::linear {
 /// Constants of the method; defaults were measured.
 struct MultigridOptions {
   double strong_coupling = 0.02;  ///< Threshold of aggregate(); halved on each level.
-  int smoothing_degree = 2;       ///< Of the Chebyshev polynomial, before and after; >= 1.
-  /// Ratio of the largest to the smallest eigenvalue that is smoothed.
+  /// Degree of the Chebyshev smoother, before and after the coarse correction; >= 1.
+  int smoothing_degree = 2;
+  /// The smoother damps eigenvalues from the largest down to the largest over this ratio.
   double smoothed_range = 20.0;
   std::int32_t direct_rows = 3000;  ///< Matrices with at most so many rows are solved directly.
 };

@@ -15,12 +15,12 @@
 
 namespace lefort::linear {
 
-/// Vertex v represents the consecutive rows first_row[v] to first_row[v + 1], which have the same
-/// pattern.
+/// Vertex v represents the rows first_row[v] to first_row[v + 1] - 1, which have the same pattern.
 struct PatternGraph {
-  std::vector<std::int32_t> first_row = {0};  ///< At the end the number of rows.
-  std::vector<std::int32_t> start = {0};  ///< Of each vertex in `neighbor`; at the end its length.
-  std::vector<std::int32_t> neighbor;     ///< Ascending, without the vertex itself.
+  std::vector<std::int32_t> first_row = {0};  ///< The last entry is the number of rows.
+  /// Neighbors of vertex v are neighbor[start[v]] to neighbor[start[v + 1] - 1].
+  std::vector<std::int32_t> start = {0};
+  std::vector<std::int32_t> neighbor;  ///< Ascending, without the vertex itself.
 
   [[nodiscard]] std::int32_t vertex_count() const { return std::int32_t(first_row.size()) - 1; }
   [[nodiscard]] std::int32_t rows(std::int32_t v) const {

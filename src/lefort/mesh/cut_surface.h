@@ -1,5 +1,6 @@
 /// \file
-/// Splits a closed surface by a convex set of half-spaces into two closed surfaces.
+/// Splits a closed surface into two: by the intersection of half-spaces, or by another closed
+/// surface.
 #pragma once
 
 #include <lefort/core/error.h>

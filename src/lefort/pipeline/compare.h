@@ -20,7 +20,8 @@ struct CompareJob {
   std::filesystem::path output;                    ///< A folder; made if missing.
   bool pictures = true;
 };
-/// Two faces -> the distance between them, by region; with a scan after surgery also the movement
+
+/// Measures the distance between two faces, by region; with a scan after surgery also the movement
 /// of each segment.
 ///
 /// \returns the summary; kInvalidArgument if inputs are missing or have no common region; or what

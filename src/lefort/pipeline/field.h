@@ -18,16 +18,18 @@ struct BuildFieldJob {
   std::filesystem::path output;
   field::DistanceFieldOptions options;
 };
-/// Surface -> distance field.
+
+/// Computes the distance field of a surface.
 [[nodiscard]] Result<Summary> build_field(const BuildFieldJob& job, Progress& progress);
 
 struct QueryFieldJob {
   std::filesystem::path field;
   std::filesystem::path points;  ///< Text: x, y, z in mm a line, separated by commas or spaces.
   std::filesystem::path output;  ///< CSV.
-  bool smooth = false;           ///< The differentiable reconstruction.
+  bool smooth = false;           ///< Smooth interpolation.
 };
-/// Field and points -> distance, gradient and zone of each point.
+
+/// Writes distance, gradient and zone of each point.
 [[nodiscard]] Result<Summary> query_field(const QueryFieldJob& job, Progress& progress);
 
 struct ExportFieldJob {
@@ -36,7 +38,8 @@ struct ExportFieldJob {
   std::vector<double> region_mm;  ///< Empty, or from and to along x, y and z.
   int every = 1;                  ///< Every n-th sample along each axis.
 };
-/// Field -> the same in a format that other programs read.
+
+/// Writes a field in a format that other programs read.
 [[nodiscard]] Result<Summary> export_field(const ExportFieldJob& job, Progress& progress);
 
 struct SliceFieldJob {
@@ -48,12 +51,13 @@ struct SliceFieldJob {
   std::optional<int> every;                   ///< Instead: pixels of so many cells of the field.
   std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
   std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn.
-  bool smooth = false;                        ///< The differentiable reconstruction.
+  bool smooth = false;                        ///< Smooth interpolation.
 };
-/// Field -> picture of a plane through it.
+
+/// Draws a plane through a field.
 [[nodiscard]] Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress);
 
-/// Field -> its kind, size, and checksum.
+/// Returns the kind, size and checksum of a field.
 [[nodiscard]] Result<Summary> describe_field(const std::filesystem::path& field,
                                              Progress& progress);
 

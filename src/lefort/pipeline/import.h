@@ -17,10 +17,11 @@ struct ImportJob {
   int series = 0;                  ///< Of a DICOM folder or study; 0: the only CT.
   std::string user{}, password{};  ///< Of a DICOMweb server, unless they are in its address.
 };
-/// Scan in any format -> volume in HU and L.
+
+/// Reads a scan in any format; writes a volume in HU and frame L.
 [[nodiscard]] Result<Summary> import_scan(const ImportJob& job, Progress& progress);
 
-/// DICOM folder or study -> its list of series. The job's output is not used.
+/// Lists the series of a DICOM folder or study. The output of the job is not used.
 [[nodiscard]] Result<Summary> list_scans(const ImportJob& job, Progress& progress);
 
 /// How the synthetic head is scanned.

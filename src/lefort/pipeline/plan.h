@@ -18,7 +18,8 @@ struct LandmarksJob {
   std::optional<std::filesystem::path> output;  ///< .csv.
   std::optional<std::filesystem::path> save;    ///< .mrk.json or .csv.
 };
-/// Landmarks -> angles and distances between them.
+
+/// Measures angles and distances between landmarks.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
 struct CheckPlanJob {
@@ -34,7 +35,8 @@ struct PlanCheckSummary {
   Summary summary;
   bool has_findings = false;  ///< The plan is not feasible.
 };
-/// Plan -> segments at the end of their paths, and findings that make the plan infeasible.
+
+/// Computes the segments at the end of their paths, and findings that make the plan infeasible.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct CutJob {
@@ -43,7 +45,8 @@ struct CutJob {
   std::filesystem::path cache;   ///< Folder of cached stages.
   std::filesystem::path output;  ///< A folder; made if missing.
 };
-/// Plan -> its bones before they move, with distance fields, so that a page can move them.
+
+/// Writes the bones of a plan before they move, with distance fields, so that a page can move them.
 /// cut.json, which is written last, names the files.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
 
@@ -54,7 +57,9 @@ struct PreviewJob {
   std::filesystem::path skin;    ///< Skin of segment_scan(), to be displaced.
   std::filesystem::path output;  ///< A folder; made if missing.
 };
-/// Plan -> linear response of the face to the segments' motion. preview.json is written last.
+
+/// Computes the linear response of the face to the motion of the segments. preview.json is written
+/// last.
 [[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -16,14 +16,15 @@ namespace lefort::pipeline {
 struct PredictJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
-  std::filesystem::path output;             ///< A folder; made if missing.
+  std::filesystem::path output;             ///< A folder; created if missing.
   bool pictures = true;
   /// Called after each converged step; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
   /// Called after each Newton iteration; may be empty.
   std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
-/// Plan -> predicted face, report and result files.
+
+/// Computes the predicted face of a plan; writes the report and the result files.
 ///
 /// \returns the summary; kPlanInvalid or what reading, prepare_case() and predict_face() return; or
 ///   the failure of a path that did not converge.

@@ -21,7 +21,8 @@ struct SegmentJob {
   bool auto_thresholds = false;  ///< From the histogram, instead of those of the options.
   std::optional<std::filesystem::path> labels;  ///< Used instead of a segmentation.
 };
-/// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
+
+/// Segments a scan; writes labels.seg.nrrd, skull.vtp and skin.vtp.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

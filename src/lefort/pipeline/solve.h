@@ -16,7 +16,8 @@ struct SolveJob {
   std::filesystem::path output;  ///< A folder; made if missing.
   bool check_only = false;       ///< Only read and check the deck.
 };
-/// Deck and mesh -> displacement, stress and reactions over time.
+
+/// Solves a deck; writes displacement, stress and reactions over time.
 [[nodiscard]] Result<Summary> solve_deck(const SolveJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -22,7 +22,9 @@ struct ConvergenceJob {
   std::vector<int> steps;  ///< Each plan with each number of steps; empty: its own.
   bool synthetic = true;   ///< Also the cases that need no scan.
 };
-/// Plans -> convergence of the Newton residual with each detection method (the paper's Figure 5).
+
+/// Measures the convergence of the Newton residual with each detection method (Figure 5 of the
+/// paper).
 [[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
 
 struct VerifyJob {

@@ -19,7 +19,8 @@ struct CellSamples {
   std::array<float, 8> corners;
 };
 
-/// kBand if all corners are finite; otherwise the common zone of the others, or kUnknown.
+/// kBand if all corners are finite; otherwise the common zone of those that are not, or kUnknown if
+/// they differ.
 [[nodiscard]] inline Zone zone_of(const std::array<float, 8>& corners) {
   bool outside = false, inside = false, unknown = false;
   for (const float d : corners) {

@@ -11,7 +11,7 @@
 
 namespace lefort::field {
 
-/// Trilinear interpolation of the eight samples around each point, with prefetching.
+/// Interpolates trilinearly between the eight samples around each point. Prefetches samples.
 ///
 /// \param samples  of the field.
 /// \param frame    its lattice.

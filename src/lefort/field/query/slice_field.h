@@ -18,12 +18,12 @@ struct SliceOptions {
   /// Region that is shown; its extent along the normal is not used.
   std::optional<Box3> region_B{};
   double pixel_mm = 1.0;  ///< Edge of a pixel, > 0.
-  bool smooth = false;    ///< Use the differentiable reconstruction.
+  bool smooth = false;    ///< Use the smooth interpolation (sample_smooth()).
 };
 
 /// Distances on a plane, rows from the top. Orientation as in radiology: seen from the patient's
-/// feet (axial), front (coronal) and left (sagittal), so that the patient's right, right and front
-/// are on the left of the picture.
+/// feet (axial), front (coronal) and left (sagittal), so that the left of the
+/// picture is the patient's right (axial, coronal) or front (sagittal).
 struct FieldSlice {
   Vec3 corner_B;         ///< Upper left corner of the upper left pixel.
   Vec3 right_B, down_B;  ///< Unit, along axes.

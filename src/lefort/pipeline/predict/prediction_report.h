@@ -12,6 +12,8 @@
 
 namespace lefort::pipeline {
 
+/// Collects the figures and pictures of a report.
+///
 /// \param pictures  may be empty.
 /// \param skin      of the last step.
 [[nodiscard]] report::CaseReport prediction_report(const PreparedCase& prepared,

@@ -23,8 +23,12 @@ namespace lefort::pipeline {
 /// \returns nothing, or kFileUnwritable: a result could not be removed.
 [[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
 
-/// \returns "bone_overlap.vtp", or with the segment's name, if the plan has several segments,
-///   "bone_overlap_maxilla.vtp".
+/// File name of a segment's result.
+///
+/// \param name     of the result, for example kBoneOverlap.
+/// \param plan     its segments.
+/// \param segment  index of the segment.
+/// \returns "bone_overlap.vtp"; if the plan has several segments, "bone_overlap_maxilla.vtp".
 [[nodiscard]] std::string segment_file(std::string_view name, const io::PlanFile& plan,
                                        std::size_t segment);
 

@@ -1,6 +1,6 @@
 /// \file
 /// The API of contract/openapi.json: answers requests about one case from its folder, independent
-/// of the transport (http_server.h).
+/// of the transport (server/http/http_server.h).
 #pragma once
 
 #include <lefort/server/api/message.h>

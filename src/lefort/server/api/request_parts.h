@@ -34,7 +34,7 @@ inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as in th
 [[nodiscard]] Result<int> query_number(const Request& request, const std::string& name,
                                        int otherwise, int lowest, int highest);
 
-/// A body, or the error response.
+/// A body; if `text` is not set, `refused` is the error response.
 struct Body {
   std::optional<std::string> text;
   Response refused;
@@ -42,7 +42,8 @@ struct Body {
 [[nodiscard]] Body read_body(const Request& request, std::uint64_t max_bytes,
                              std::string_view type);
 
-/// A body that matches a schema of the contract, or the error response.
+/// A body that matches a schema of the contract; if `value` is not set, `refused` is the error
+/// response.
 struct JsonBody {
   std::optional<nlohmann::json> value;
   std::string text;
