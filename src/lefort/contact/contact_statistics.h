@@ -30,7 +30,7 @@ struct ContactStatistics {
   double p99_depth_from_rest_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
-  /// Cumulative reference area of points that tunnelled through thin bone without a tangent plane
+  /// Cumulative reference area of points that tunneled through thin bone without a tangent plane
   /// [mm^2]. A point counts once per event.
   double tunnelled_area_mm2 = 0.0;
 };
