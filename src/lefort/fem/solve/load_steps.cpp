@@ -22,8 +22,7 @@ constexpr double kCutOffFraction = 0.1;
 constexpr double kMaxExtrapolation = 10.0;
 
 /// \returns whether a failure may be due to the extrapolated guess. A solve of many iterations is
-///   far
-/// from its guess; the last state as guess would not help.
+///   far from its guess; the last state as guess would not help.
 bool may_be_due_to_guess(const NewtonOutcome& outcome, const LoadStepOptions& options) {
   return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRejected ||
          (outcome.stop == NewtonStop::kStagnated &&

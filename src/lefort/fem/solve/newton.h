@@ -143,8 +143,8 @@ struct NewtonOutcome {
 ///    holds or |r(x + alpha dx')| <= (1 - c alpha) |r|.
 /// 6. **Line search along dx**, if there is no step yet (\cite nocedal2006, algorithm 3.1): Armijo
 ///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
-///    it. If the expected change of W is within its round-off, |r| must
-///    decrease instead. dx descends, since dx . A dx = 0.
+///    it. If the expected change of W is within its round-off, |r| must decrease instead. The
+///    tangent of step 3 is positive definite, so that dx descends.
 /// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
 ///    (3.5)) fails and W decreases.
 /// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a
