@@ -44,7 +44,7 @@ struct ContactStatistics {
 struct NodalContact {
   std::int32_t node = 0;
   double pressure_mpa = 0.0;  ///< Mean of the points around it, weighted by A_n |N_a|.
-  double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the sign is unknown.
+  double gap_mm = 0.0;        ///< Of the node, as Gap::gap_mm; NaN where the zone is unknown.
   double depth_mm = 0.0;      ///< Largest penetration increase of the points around it; >= 0.
 };
 
