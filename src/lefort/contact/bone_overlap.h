@@ -22,7 +22,8 @@ struct BoneOverlap {
   double deepest_mm = 0.0;        ///< 0 without overlap; at most the range of the distance query.
   Vec3 deepest_L = Vec3::Zero();  ///< Position of that point [mm].
   bool depth_is_lower_bound = false;  ///< A point lies beyond the range of the distance query.
-  std::vector<double> depth_mm;  ///< Of each vertex of the first bone in the second; 0 outside.
+  /// Of each vertex of the first bone in the second; 0 outside, or if it touches (kTouching_mm).
+  std::vector<double> depth_mm;
   std::vector<double> depth_of_second_mm;  ///< Of each vertex of the second bone in the first.
 
   [[nodiscard]] bool overlaps() const { return deepest_mm > 0.0; }

@@ -2,10 +2,10 @@
 /// Culling of contact patches: a patch that was far from contact and has moved little since needs
 /// no distance query.
 ///
-/// A distance is 1-Lipschitz: |g(x) - g(y)| <= |x - y|. Let c be the clearance of a patch, the
-/// least distance of one of its points to contact, at nodal positions y_a in the frame of the bone.
-/// A point p = sum N_a x_a moves by at most (max_a |x_a - y_a|) sum |N_a|. So no point is in
-/// contact while
+/// A distance is 1-Lipschitz: |g(x) - g(y)| <= |x - y|. Let c be the clearance of a patch: the min
+/// of g - max(g_0, 0) over its points, with the rest gap g_0, at nodal positions y_a in the frame
+/// of the bone. A point sum N_a x_a moves by at most (max_a |x_a - y_a|) sum |N_a|. So no point is
+/// in contact while
 ///
 ///   max_a |x_a - y_a| < (c - slack) / (L max sum |N_a|)
 ///

@@ -67,7 +67,7 @@ class ContactHistory {
     return now.multiplier_mpa == 0.0 && !now.is_plane_constrained;
   }
 
-  /// \returns whether the point has tunnelled since the last accepted state.
+  /// \returns whether the point has tunneled since the last accepted state.
   [[nodiscard]] bool has_tunnelled(std::size_t point, const RigidObstacle& obstacle,
                                    const Gap& measured) const;
 
@@ -78,7 +78,7 @@ class ContactHistory {
 
   /// Accepts the present state of a point. The contact reference is updated, except where a
   /// tangent plane is the constraint or the medial surface has been crossed.
-  /// \returns whether the point has tunnelled.
+  /// \returns whether the point has tunneled.
   bool commit(std::size_t point, const RigidObstacle& obstacle, const Vec3& p_L,
               const Gap& measured);
 
@@ -89,8 +89,9 @@ class ContactHistory {
 
   /// Update of Hestenes and Powell, with adaptive penalty (\cite bertsekas1982, section 2.2):
   ///
-  ///   lambda <- p;   k_c <- beta k_c  if d > tolerance and d > gamma d_previous
+  ///   lambda <- p;   s <- beta s  if d > tolerance and d > gamma d_previous
   ///
+  /// with the penalty scale s; beta, gamma and a bound of s are constants of the .cpp file.
   /// A point without pressure loses its multiplier and its penalty scale.
   /// \param pressure_mpa  p at the converged state, >= 0.
   /// \param depth_mm      d at the converged state.
@@ -106,7 +107,7 @@ class ContactHistory {
   /// to their side in that state are released.
   void begin_step();
 
-  /// Area that has tunnelled in all accepted increments [mm^2].
+  /// Area that has tunneled in all accepted increments [mm^2].
   [[nodiscard]] double tunnelled_area_mm2() const { return tunnelled_area_mm2_; }
   void add_tunnelled_area_mm2(double area_mm2) { tunnelled_area_mm2_ += area_mm2; }
   void set_tunnelled_area_mm2(double area_mm2) { tunnelled_area_mm2_ = area_mm2; }

@@ -30,7 +30,7 @@ struct ContactStatistics {
   double p99_depth_from_rest_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
-  /// Cumulative reference area of points that tunnelled through thin bone without a tangent plane
+  /// Cumulative reference area of points that tunneled through thin bone without a tangent plane
   /// [mm^2]. A point counts once per event.
   double tunnelled_area_mm2 = 0.0;
 };
@@ -44,7 +44,7 @@ struct ContactStatistics {
 struct NodalContact {
   std::int32_t node = 0;
   double pressure_mpa = 0.0;  ///< Mean of the points around it, weighted by A_n |N_a|.
-  double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the sign is unknown.
+  double gap_mm = 0.0;        ///< Of the node, as Gap::gap_mm; NaN where the zone is unknown.
   double depth_mm = 0.0;      ///< Largest penetration increase of the points around it; >= 0.
 };
 

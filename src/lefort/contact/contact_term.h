@@ -1,12 +1,12 @@
 /// \file
 /// Frictionless contact of deformable tissue with one rigid bone, as a force term of the solver.
 ///
-/// The contact potential (\cite lefort-paper, equations (2) and (3)) is integrated over the faces
-/// of the tissue. With the quadrature points p_n = sum_a N_a(n) x_a, the reference areas A_n, and
-/// the signed distance g of the bone:
+/// The contact potential (\cite lefort-paper; penalty.h) is integrated over the faces of the
+/// tissue. With the nodal positions x_a, the quadrature points q_n = sum_a N_a(n) x_a, the
+/// reference areas A_n, and the signed distance g of the bone:
 ///
-///   g_n   = g(p_n)                                     gap; negative inside the bone
-///   d_n   = g_0n - g_n                                 penetration increase
+///   g_n   = g(q_n)                                     gap; negative inside the bone
+///   d_n   = g_0n - g_n                                 penetration increase; g_0n: rest gap
 ///   p_n   = max(lambda_n + 2 s_n k_c d_n, 0)           contact pressure
 ///   phi_n = (p_n^2 - lambda_n^2) / (4 s_n k_c)         potential; s_n k_c d_n^2 if lambda_n = 0
 ///
@@ -14,7 +14,8 @@
 ///   r_a   = dW / dx_a       = - sum_n A_n N_a p_n grad g
 ///   K_ab  = d2W / dx_a dx_b =   sum_n A_n N_a N_b (2 s_n k_c grad g (x) grad g - p_n Hess g)
 ///
-/// with the multiplier lambda_n >= 0 and the penalty scale s_n >= 1 of the point (penalty.h).
+/// where K has the points with p_n > 0 only; lambda_n >= 0 is the multiplier and s_n >= 1 the
+/// penalty scale of the point.
 #pragma once
 
 #include <lefort/contact/contact_clearance.h>
@@ -44,7 +45,7 @@ namespace lefort::contact {
 /// magnitude, or is negative; else it is zero.
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
-/// If a penetration tolerance is set, the tangent plane of the last accepted state becomes the
+/// If a penetration tolerance is set, the tangent plane of its contact reference becomes the
 /// constraint of a point that has crossed the medial surface. Planes change between solves only, so
 /// that each solve has a potential. Without a tolerance there are no planes: the penalty is so soft
 /// that tissue lies in thin bone at most states, and the result would depend on the increments.
@@ -66,8 +67,8 @@ class ContactTerm final : public fem::ForceTerm {
   struct Options {
     std::string name = "the bone";      ///< Of the obstacle, for messages.
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
-    /// Contact tolerance: a point with a smaller gap in the reference configuration is in contact;
-    /// >= 0, less than the range of the distance query.
+    /// Contact snap distance: a point whose gap in the reference configuration is at most this in
+    /// magnitude touches the bone there; >= 0, less than the range of the distance query.
     double capture_mm = 0.0;
     Integration integration = Integration::kQuadrature;
     /// Largest P99 of the penetration increase, > 0 [mm], reached by multipliers
@@ -81,8 +82,8 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param obstacle         the bone, at its pose in the reference configuration.
   /// \param options          \pre in the ranges above.
   /// \param other_obstacles  other bones, at their poses in the reference configuration. A point
-  ///   closer to one of them than to this bone has no contact tolerance here. Otherwise bone whose
-  ///   edge is flush with another would drag tissue that lies on the other.
+  ///   closer to one of them than to this bone has no snap distance here. Otherwise bone whose edge
+  ///   is flush with another would drag tissue that lies on the other.
   ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, RigidObstacle obstacle,
               const Options& options, std::span<const RigidObstacle> other_obstacles = {});
 
@@ -103,7 +104,7 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
-  /// Accepts the present state at the present pose and adds the area that has tunnelled since the
+  /// Accepts the present state at the present pose and adds the area that has tunneled since the
   /// last accepted state to ContactStatistics::tunnelled_area_mm2.
   /// \param x_L  current positions of all nodes [mm].
   void commit(std::span<const Vec3> x_L);
@@ -140,17 +141,17 @@ class ContactTerm final : public fem::ForceTerm {
   void restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L);
 
   /// \param x_L  current positions of all nodes [mm].
-  /// \returns the reference area that has tunnelled since the last accepted state [mm^2].
+  /// \returns the reference area that has tunneled since the last accepted state [mm^2].
   [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
   /// A bone that has jumped through the tissue leaves an equilibrium on its wrong side. An
-  /// increment in which too much of the contact area has tunnelled is therefore rejected. Small
+  /// increment in which too much of the contact area has tunneled is therefore rejected. Small
   /// areas are accepted and reported: they tunnel over thin edges however small the increment.
   /// \param x_L  current positions of all nodes [mm].
   /// \returns why a converged state is rejected; nothing if it is accepted.
   [[nodiscard]] std::optional<std::string> rejection_reason(std::span<const Vec3> x_L) const;
 
-  /// \returns the largest penetration of the mesh in the reference configuration [mm]; 0 if none.
+  /// \returns the max penetration of the points in the reference configuration [mm]; 0 if none.
   [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].

@@ -27,7 +27,7 @@ namespace lefort::contact {
 /// Method of a distance query.
 enum class DetectionMethod : std::uint8_t {
   kSmooth,     ///< Cubic interpolation of the field: continuously differentiable.
-  kTrilinear,  ///< Trilinear interpolation, as in section 2.2 of the paper.
+  kTrilinear,  ///< Trilinear interpolation, as in the paper.
   kBvh,        ///< Bounding volume hierarchy; the baseline of the paper.
 };
 

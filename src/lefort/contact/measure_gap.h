@@ -13,8 +13,8 @@ namespace lefort::contact {
 struct Gap {
   field::Zone zone = field::Zone::kOutside;
   double gap_mm = 0.0;  ///< Signed distance; negative means penetration.
-  Vec3 gradient_L =
-      Vec3::Zero();  ///< Of gap_mm; outward, of unit length except for sampling errors.
+  /// Of gap_mm; outward, of unit length except for sampling errors.
+  Vec3 gradient_L = Vec3::Zero();
   Mat3 hessian_L = Mat3::Zero();  ///< Of gap_mm [1/mm]; zero if not computed.
 };
 

@@ -1,22 +1,20 @@
 /// \file
-/// Frictionless contact as a potential of the penetration increase d (\cite lefort-paper, section
-/// 2.3).
+/// Frictionless contact as a potential of the penetration increase d (\cite lefort-paper). With
+/// d = g_0 - g(x), g the gap and g_0 the rest gap:
 ///
-///   phi(d) = k_c d^2 for d > 0, else 0      (2)   energy per area of the reference surface
-///   f      = -d phi / d x = 2 k_c d n             traction on the tissue, outward from the bone
+///   phi(d) = k_c d^2 for d > 0, else 0            energy per area of the reference surface
+///   t      = -dphi/dx = 2 k_c d grad g            traction on the tissue, outward from the bone
 ///
 /// The pure penalty leaves residual penetration. The augmented Lagrangian has a multiplier
-/// lambda >= 0, a contact pressure that needs no penetration (\cite wriggers2006, section 5.3.3):
+/// lambda >= 0, a contact pressure that needs no penetration (\cite wriggers2006):
 ///
-///   p(d)   = lambda + 2 k_c d                     pressure; no contact if not positive
-///   phi(d) = (max(p, 0)^2 - lambda^2) / (4 k_c)   phi' = max(p, 0); (2) if lambda = 0
+///   p(d)      = lambda + 2 k_c d                     pressure; no contact if not positive
+///   phi(d)    = (max(p, 0)^2 - lambda^2) / (4 k_c)   dphi/dd = max(p, 0)
+///   d2phi/dx2 = 2 k_c grad g (x) grad g - p Hess g   where p > 0, else 0
 ///
-/// With d = g_0 - g(x), g the gap:
-///
-///   d2 phi / dx2 = 2 k_c grad g (x) grad g - p Hess g
-///
-/// The second term is needed for quadratic convergence on curved bone. On convex bone it is
-/// negative: the tissue tends to slide off. psd_projected_hessian() omits the negative part.
+/// With lambda = 0 this is the pure penalty. The term with Hess g is needed for quadratic
+/// convergence on curved bone. On convex bone it is negative semidefinite: the tissue tends to
+/// slide off. psd_projected_hessian() omits its negative part.
 #pragma once
 
 #include <lefort/core/types.h>

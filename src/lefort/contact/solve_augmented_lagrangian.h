@@ -1,6 +1,6 @@
 /// \file
 /// One load increment with contact: the outer (Uzawa) loop of the augmented Lagrangian around
-/// Newton's method (\cite wriggers2006, section 5.3; \cite bertsekas1982, section 2.2).
+/// Newton's method (\cite wriggers2006; \cite bertsekas1982, section 2.2).
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -18,7 +18,7 @@ namespace lefort::contact {
 /// \returns the current positions of the nodes [mm].
 [[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Max number of multiplier updates in one increment. With a contact stiffness ten times that of
+/// Max number of multiplier updates in one increment. With a penalty stiffness ten times that of
 /// the tissue, an update removes about nine tenths of the remaining depth.
 inline constexpr int kMaxMultiplierUpdates = 30;
 
@@ -29,12 +29,14 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 /// 2. Commit the state.
 /// 3. If the P99 of the depth exceeds the tolerance of a contact, update the multipliers. Activate
 ///    the tangent planes that are needed. If neither was needed, return.
-/// 4. If three updates in a row have not reduced the depth, roll back and return.
+/// 4. If three updates in a row have neither reduced the P99 nor activated a plane, roll back and
+///    return.
 /// 5. Solve again from the last equilibrium. If that fails or is rejected, roll back and return the
-///    last equilibrium; else continue with step 2.
+///    last equilibrium; else continue with step 2, at most kMaxMultiplierUpdates times.
 ///
-/// The loop may end above the tolerance, where an edge of the bone or two bones catch the tissue.
-/// The returned state is an equilibrium all the same; ContactStatistics reports its depth.
+/// The depth is the penetration increase. The loop may end above the tolerance, where an edge of
+/// the bone or two bones catch the tissue. The returned state is an equilibrium all the same;
+/// ContactStatistics reports its depth.
 /// \param contacts  at their poses. They are left in the accepted state that is returned.
 /// \param nodes_L   nodes in the reference configuration [mm].
 /// \param start     displacements of all nodes [mm], first argument of the first solve.

@@ -3,9 +3,10 @@
 ///
 /// The closest surface does not always show the way out of thin bone. Beyond the medial surface of
 /// a plate it is the far side, and in a ridge it is one of the flanks, while the tissue must leave
-/// over the tip. Each point therefore stores the closest point and the normal of its last
-/// admissible state (contact reference). Once it has crossed the medial surface, the tangent plane
-/// of that state is its constraint. A plane has no edge, and its potential is convex.
+/// over the tip. Each point therefore stores the closest point and the normal of the last accepted
+/// state in which it had not crossed the medial surface (contact reference). Once it has crossed,
+/// the tangent plane of that state is its constraint. A plane has no edge, and its potential is
+/// convex.
 ///
 ///        tangent plane - - - - ___ - - - -     reference: closest point and normal at the tip
 ///                             / o \            o: closest are the flanks, in alternation
@@ -47,10 +48,10 @@ struct ContactReference {
 
 /// \param gap   measure_gap() of p_L.
 /// \param last  contact reference of the point.
-/// \returns whether a point that had crossed the medial surface is back: it is off the bone, the
-///   closest normal is within about 45 degrees of the reference normal, or the tangent plane is not
-///   further away than the closest surface. The thresholds leave a hysteresis to
-///   has_crossed_medial_surface().
+/// \returns whether a point that had crossed the medial surface is back: it is beyond the band, it
+///   is off the bone with the closest normal within 120 degrees of the reference normal, the
+///   closest normal is within about 45 degrees of it, or the tangent plane is not further away than
+///   the closest surface. The thresholds leave a hysteresis to has_crossed_medial_surface().
 [[nodiscard]] bool has_returned(const RigidObstacle& obstacle, const Vec3& p_L, const Gap& gap,
                                 const ContactReference& last);
 

@@ -1,8 +1,8 @@
 /// \file
-/// Kinematics of all material laws. Symbols and equation numbers: \cite bonet2008.
+/// Kinematics of all material laws. Symbols: \cite bonet2008.
 ///
-/// X is the reference position and x the current one. The deformation gradient F maps dX to dx (eq.
-/// 4.7) and has no unit.
+/// X is the reference position and x the current one. The deformation gradient F maps dX to dx
+/// and has no unit.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -17,12 +17,12 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
 /// \returns the stacked columns of M.
 [[nodiscard]] inline Vec9 flatten(const Mat3& M) { return Eigen::Map<const Vec9>(M.data()); }
 
-/// A : B = tr(A^T B) (eq. 2.51).
+/// A : B = tr(A^T B).
 [[nodiscard]] inline double contract(const Mat3& A, const Mat3& B) {
   return A.cwiseProduct(B).sum();
 }
 
-/// J = det F, the ratio of current to reference volume (eq. 4.37). With J <= 0 an element is
+/// J = det F, the ratio of current to reference volume. With J <= 0 an element is
 /// inverted.
 [[nodiscard]] inline double volume_ratio(const Mat3& F) { return F.determinant(); }
 
@@ -34,7 +34,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return trace + second + H.determinant();
 }
 
-/// dJ/dF = J F^-T (eq. 4.68), for any F; it maps reference to current area vectors (Nanson).
+/// dJ/dF = J F^-T, for any F; it maps reference to current area vectors (Nanson).
 [[nodiscard]] inline Mat3 cofactor(const Mat3& F) {
   Mat3 columns;
   columns << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
@@ -73,13 +73,13 @@ inline void add_transposed_product(double factor, const Mat3& M, Mat9& A) {
     for (int k = 0; k < 3; ++k) A.col(k + 3 * K).reshaped(3, 3) += factor * M.col(K) * M.row(k);
 }
 
-/// C = F^T F, the right Cauchy-Green tensor (eq. 4.15).
+/// C = F^T F, the right Cauchy-Green tensor.
 [[nodiscard]] inline Mat3 right_cauchy_green(const Mat3& F) { return F.transpose() * F; }
 
-/// I1 = tr C (eq. 6.19).
+/// I1 = tr C.
 [[nodiscard]] inline double first_invariant(const Mat3& F) { return F.squaredNorm(); }
 
-/// sigma = P F^T / J, the Cauchy stress (eq. 5.45).
+/// sigma = P F^T / J, the Cauchy stress.
 [[nodiscard]] inline Mat3 cauchy_stress(const Mat3& P, const Mat3& F) {
   return P * F.transpose() / F.determinant();
 }

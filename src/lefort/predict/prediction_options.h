@@ -12,7 +12,7 @@ namespace lefort::predict {
 
 /// Interface between tissue and mobilized segment.
 enum class SegmentInterface {
-  kSliding,  ///< Pushed; slides without friction (paper, section 2.3).
+  kSliding,  ///< Pushed; slides without friction (\cite lefort-paper).
   kBonded,   ///< Moves with the bone.
 };
 
@@ -65,8 +65,8 @@ struct BoundaryOptions {
   ScanBoundary scan_boundary = ScanBoundary::kFree;
   /// Tissue on stationary bone within this distance of the segment is elevated.
   double elevation_margin_mm = 8.0;
-  double capture_mm =
-      0.8;  ///< Contact tolerance: boundary within this distance of a bone lies on it.
+  /// Contact snap distance: boundary within this distance of a bone lies on it.
+  double capture_mm = 0.8;
 };
 
 struct ContactOptions {

@@ -44,7 +44,7 @@ inline constexpr const char* kStationaryContact = "still_contact";
 ///   only near its zero.
 /// \param segment_L    the segments as one mesh (plan::append).
 /// \param remainder_L  the stationary bone.
-/// \param options      contact tolerance, elevation margin and scan boundary.
+/// \param options      contact snap distance, elevation margin and scan boundary.
 /// \param painted      may be null. Its labels decide which nodes are fixed; each label gets a set
 ///   of its nodes (kBoundaryLabelStyles). The other sets do not depend on it.
 /// \returns the mesh with its sets.

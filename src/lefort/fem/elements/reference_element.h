@@ -27,7 +27,7 @@ using ReferenceElement = std::array<ReferencePoint<Element>, Element::kPoints>;
 template <class Element>
 using ElementNodes = Eigen::Matrix<double, 3, Element::kNodes>;
 
-/// F = sum over nodes of x_a (x) dN_a/dX (eq. 9.5 of \cite bonet2008).
+/// F = sum over nodes of x_a (x) dN_a/dX (\cite bonet2008, section 9.2).
 template <class Element, class Positions>
 [[nodiscard]] Mat3 deformation_gradient(const Positions& x, const ReferencePoint<Element>& point) {
   return x * point.dN_dX.transpose();

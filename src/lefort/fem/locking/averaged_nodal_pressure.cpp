@@ -35,9 +35,8 @@ bool are_in_one_patch(const ElementCorner& a, const ElementCorner& b) {
 enum class NodeLocation : std::uint8_t { kCorner, kEdge, kFace, kInterior };
 
 /// \param solid_angle  of the elements around the node. A cube has 1/8 of the full angle at a
-///   corner,
-///   1/4 at an edge and 1/2 at a face; the thresholds are halfway. An interior node has all of it,
-///   except for round-off.
+///   corner, 1/4 at an edge and 1/2 at a face; the thresholds are halfway. An interior node has all
+///   of it, except for round-off.
 NodeLocation location_of(double solid_angle) {
   const double fraction = solid_angle / (4.0 * std::numbers::pi);
   if (fraction < 0.1875) return NodeLocation::kCorner;

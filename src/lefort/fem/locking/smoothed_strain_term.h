@@ -25,7 +25,8 @@ namespace lefort::fem {
 /// smoothing domains s (smoothing_domains.h) around one edge of tet4, or on one quadrilateral face
 /// of wedge6 near its lower or upper triangle, of elements of one region with a decoupled law. An
 /// item is a group. It couples all nodes of its elements; if these are more than kMaxLocalNodes,
-/// the domains are divided between several groups.
+/// the domains are divided between several groups. (The literature and docs/theory/locking.md call
+/// the whole group a smoothing domain.)
 class SmoothedStrainTerm final : public ForceTerm {
  public:
   /// \param mesh       accepted by make_element_terms(); not referred to afterwards.

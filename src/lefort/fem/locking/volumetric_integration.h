@@ -11,8 +11,9 @@
 /// Taylor and Pister after elimination of pressure and dilatation (\cite simo1985; \cite bonet2008,
 /// section 8.6.5).
 ///
-///     shape             average of J                       averages per node, far from the
-///     boundary hex8              constant per element               1
+///     shape             average of J                       averages per interior node
+///
+///     hex8              constant per element               1
 ///     tet10, wedge15    constant per element; a part of    0.7, 0.4
 ///                       U stays at the points
 ///     hex20             linear in X per element            1 (4 per element)

@@ -35,7 +35,7 @@ Mat3 NeoHookean::stress(const Mat3& F) const {
   const double J = volume_ratio(F);
   LEFORT_ASSERT(J > 0.0);
   const Mat3 F_inv_T = F.inverse().transpose();
-  // P = F S with S of eq. 6.28.
+  // P = F S, S = mu (I - C^-1) + lambda ln J C^-1.
   return mu_mpa * (F - F_inv_T) + lambda_mpa * std::log(J) * F_inv_T;
 }
 

@@ -10,7 +10,7 @@ namespace lefort::fem {
 
 /// Psi(F) = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2,   I1 = tr(F^T F),   J = det F.
 ///
-/// \cite bonet2008, equation 6.27. At small strain this is Hooke's law with Lame's constants mu
+/// \cite bonet2008, section 6.4.3. At small strain this is Hooke's law with Lame's constants mu
 /// and lambda. Every function requires J > 0.
 struct NeoHookean {
   double mu_mpa = 0.0;      ///< Shear modulus, > 0.

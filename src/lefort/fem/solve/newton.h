@@ -52,7 +52,7 @@ class NonlinearSystem {
 struct NewtonIterate {
   double residual_n = 0.0;            ///< |r| [N].
   double residual_reference_n = 0.0;  ///< [N]; the relative residual is |r| divided by this.
-  double energy_mj = 0.0;             ///< W, and minus the work of follower loads since the start.
+  double energy_mj = 0.0;             ///< W minus the work of follower loads since the start.
   double step_length = 0.0;           ///< alpha; 0 at the start.
   double tangent_blend = 0.0;         ///< beta of the tangent of the step.
   double diagonal_shift = 0.0;        ///< tau of the tangent of the step.
@@ -81,7 +81,7 @@ struct NewtonOptions {
   /// Bounds of the relative tolerance of iterative linear solvers: 0 < min <= max < 1.
   double max_linear_tolerance = 1e-2;
   double min_linear_tolerance = 1e-10;
-  /// Largest tau, >= 0: beyond it the diagonal replaces the tangent.
+  /// Largest tau that is tried, >= 0. A larger one would in effect replace K+ by its diagonal.
   double max_diagonal_shift = 1e3;
   /// Called at the start of each phase, on the calling thread; may be empty.
   std::function<void(SolvePhase)> on_phase{};
@@ -143,8 +143,8 @@ struct NewtonOutcome {
 ///    holds or |r(x + alpha dx')| <= (1 - c alpha) |r|.
 /// 6. **Line search along dx**, if there is no step yet (\cite nocedal2006, algorithm 3.1): Armijo
 ///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
-///    it. If the expected change of W is within its round-off, |r| must
-///    decrease instead. dx descends, since dx . A dx = 0.
+///    it. If the expected change of W is within its round-off, |r| must decrease instead. The
+///    tangent of step 3 is positive definite, so that dx descends.
 /// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
 ///    (3.5)) fails and W decreases.
 /// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a

@@ -7,7 +7,7 @@ namespace lefort::fem::internal {
 
 // Diagonal shift tau (\cite nocedal2006, algorithm 3.3). The shift is relative to the diagonal.
 
-/// First tau, beta of the algorithm.
+/// First tau; the algorithm calls it beta and has the same value.
 inline constexpr double kFirstShift = 1e-3;
 /// Factor from one tau to the next. The algorithm has 2 and allows for more, since every trial
 /// costs a factorization.

@@ -17,7 +17,7 @@ namespace lefort::fem::internal {
 [[nodiscard]] bool is_converged(const NewtonState& at, int iterations,
                                 const NewtonOptions& options);
 
-/// Counts the steps in a row that reduce neither energy nor |r|.
+/// Counts the steps in a row that reduce neither energy nor |r| enough (newton_constants.h).
 class StagnationMonitor {
  public:
   explicit StagnationMonitor(const NewtonState& start)

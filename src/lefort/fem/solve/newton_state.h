@@ -13,13 +13,14 @@ struct NewtonState {
   VectorX x;
   ResidualState residual_state;
   double residual_n = 0.0;  ///< |r|.
-  /// W, and the integral of the forces without a potential along the steps since the start.
+  /// W plus the integral of f . dx along the steps since the start, f being the part of r without a
+  /// potential.
   double energy_mj = 0.0;
 };
 
 /// \param x     free displacements [mm].
-/// \param from  state at which the step to x begins; null at the start. The work of forces f
-///   without a potential is (f_from + f_x) / 2 . (x - x_from).
+/// \param from  state at which the step to x begins; null at the start. The integral of f . dx is
+///   (f_from + f_x) / 2 . (x - x_from).
 /// \returns the state at x, or nothing if x is inadmissible or not finite.
 [[nodiscard]] std::optional<NewtonState> evaluate_state(const NonlinearSystem& system, VectorX x,
                                                         const NewtonState* from = nullptr);

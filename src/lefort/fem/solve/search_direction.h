@@ -1,5 +1,5 @@
 /// \file
-/// Search direction of solve_newton(): steps 3 to 5 of its algorithm.
+/// Search direction of solve_newton(): steps 3 and 4 of its algorithm.
 #pragma once
 
 #include <lefort/core/progress.h>
