@@ -168,7 +168,7 @@ std::vector<Definition> profile_distances() {
       distance("N-Me", "facial height", "N", "Me"),
       distance("S-Go", "posterior facial height", "S", "Go"),
       distance("ANS-PNS", "length of the palate", "ANS", "PNS"),
-      distance("Co-A", "length of the mid-face", "Co", "A"),
+      distance("Co-A", "length of the midface", "Co", "A"),
       distance("Co-Gn", "length of the mandible", "Co", "Gn"),
       {"overjet",
        "U1 before L1, along the Frankfurt horizontal",

@@ -20,7 +20,7 @@ namespace lefort::plan {
 enum class OsteotomyTemplate {
   kLeFort1,        ///< The maxilla below the nose: ANS, PNS.
   kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
-  kLeFort3,        ///< The mid-face with the zygomas: N, Or, FZ on both sides, ANS, PNS.
+  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
   kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
   kSagittalSplit,  ///< The tooth-bearing mandible (BSSO): Me, and Go, Co, L6 on both sides.
 };

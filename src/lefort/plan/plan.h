@@ -39,7 +39,7 @@ struct CutRegion {
   std::vector<CutCurve> curves;
 };
 
-/// The segment is the bone within `planes` and `curves`, for example the mid-face in front of a
+/// The segment is the bone within `planes` and `curves`, for example the midface in front of a
 /// coronal plane and below an axial one, and the bone within each of `additional_regions`.
 ///
 /// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded

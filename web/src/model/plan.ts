@@ -123,7 +123,7 @@ export const TEMPLATES: readonly {
     kind: 'le-fort-3',
     title: 'Le Fort III',
     needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'],
-    describes: 'The mid-face, through the lateral walls of the orbits.',
+    describes: 'The midface, through the lateral walls of the orbits.',
   },
   {
     kind: 'sagittal-split',

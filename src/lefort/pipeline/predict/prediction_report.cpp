@@ -309,7 +309,7 @@ std::vector<std::string> limitations_of(const PreparedCase& prepared) {
             "stationary bone."
           : "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone; new "
             "contact of tissue with stationary bone is not modeled.",
-      "Not validated against post-operative scans."};
+      "Not validated against postoperative scans."};
 }
 
 }  // namespace
