@@ -225,7 +225,7 @@ TEST(CutSegments, RejectsInvalidNames) {
     EXPECT_NE(all.error().message.find(words), std::string::npos) << all.error().message;
   };
   refuse({planned(cut), planned(cut)}, "two segments are called 'front'");
-  refuse({planned(cut, "front")}, "is from 'front', which is not an earlier segment");
+  refuse({planned(cut, "front")}, "is cut from 'front', which is not an earlier segment");
 }
 
 }  // namespace

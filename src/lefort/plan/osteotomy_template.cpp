@@ -61,7 +61,7 @@ Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwar
   if (!(-head.anterior.y() > kMinAnteriorCosine))
     return bad(
         "the direction from its posterior to its anterior landmarks is more than 60 degrees off "
-        "the patient's front, are they exchanged?");
+        "the patient's anterior direction; are they exchanged?");
   return head;
 }
 
@@ -72,8 +72,8 @@ Osteotomy le_fort_1(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
-/// Direction from nasion down and back to the top of the pterygomaxillary fissure, below the skull
-/// base.
+/// Direction from nasion to the top of the pterygomaxillary fissure, which is posterior and inferior
+/// to it and below the skull base.
 Vec3 roof_backwards(const Head& head) {
   constexpr double kFissure = 0.45;  // Height of the fissure: fraction of that of N above PNS.
   const Vec3 rise = head.up.dot(head.at("N") - head.at("PNS")) * head.up;
