@@ -72,8 +72,8 @@ Osteotomy le_fort_1(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
-/// Direction from nasion to the top of the pterygomaxillary fissure, which is posterior and inferior
-/// to it and below the skull base.
+/// Direction from nasion to the top of the pterygomaxillary fissure, which is posterior and
+/// inferior to nasion, below the skull base.
 Vec3 roof_backwards(const Head& head) {
   constexpr double kFissure = 0.45;  // Height of the fissure: fraction of that of N above PNS.
   const Vec3 rise = head.up.dot(head.at("N") - head.at("PNS")) * head.up;
@@ -129,10 +129,10 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
 }
 
 ///   seen from the left, anterior to the left     The proximal segment is above the medial cut or
-///                 ) Co                           lateral to the split, and behind the buccal cut.
-///      medial cut -------\   proximal            The distal segment, which moves, is on each side
-///                        |                       in front of the buccal cut, or both below the
-///      L6   | buccal cut | split inside Go       medial cut and medial to the split.
+///                 ) Co                           lateral to the split, and posterior to the
+///      medial cut -------\   proximal            buccal cut. The distal segment, which moves, is
+///                        |                       on each side anterior to the buccal cut, or both
+///      L6   | buccal cut | split medial to Go    below the medial cut and medial to the split.
 ///     -------------------/ Go
 Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
   constexpr double kMedialCut = 0.5;    // Fraction of Go-Co, above the lingula.
