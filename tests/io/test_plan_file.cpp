@@ -397,7 +397,7 @@ TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {
   refuse([](Json& s) { s[2]["osteotomy"]["planes"][0].erase("across"); },
          "segments[2].osteotomy.planes[0]: size_mm and across");
   refuse([](Json& s) { s[2]["name"] = "maxilla"; }, "two segments are called 'maxilla'");
-  refuse([](Json& s) { s[1]["cut_from"] = "chin"; }, "is from 'chin'");
+  refuse([](Json& s) { s[1]["cut_from"] = "chin"; }, "is cut from 'chin'");
   refuse([](Json& s) { s[1]["path"]["keyframes"] = s[2]["path"]["keyframes"]; },
          "segments[1].path: must have either keyframes or distraction");
   refuse(

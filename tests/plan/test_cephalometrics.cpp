@@ -121,7 +121,7 @@ TEST(Cephalometrics, UndefinedValuesAreNotReported) {
   without("Pg'", "Prn", "Ls-E");
 }
 
-/// A mobilized mid-face moves the orbits, too; overjet must not depend on them.
+/// A mobilized midface moves the orbits, too; overjet must not depend on them.
 TEST(Cephalometrics, FrameCanBeThatBeforeSurgery) {
   const Landmarks before = head();
   Landmarks after = before;

@@ -190,12 +190,13 @@ TEST(PerformOsteotomy, RejectsInvalidCuts) {
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 0, 30)}}),
                ErrorCode::kPlanInvalid, "its size is 0 x 30 mm");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {1, 0, 0}, 5, 30)}}),
-               ErrorCode::kPlanInvalid, "its width direction is parallel to its normal");
+               ErrorCode::kPlanInvalid, "its width direction must not be parallel to its normal");
   expect_error(perform_osteotomy(kBar, {"front", {}, {{{{0, 0, 0}, {1, 0, 0}}, {0, 1, 0}}}}),
                ErrorCode::kPlanInvalid, "curve 0: the curve has 2 points");
   Osteotomy wide{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   wide.kerf_mm = 9.0;
-  expect_error(perform_osteotomy(kBar, wide), ErrorCode::kPlanInvalid, "the saw's kerf is 9 mm");
+  expect_error(perform_osteotomy(kBar, wide), ErrorCode::kPlanInvalid,
+               "the kerf of the saw is 9 mm");
 }
 
 PlannedSegment planned(Osteotomy osteotomy, std::string from = "") {
@@ -225,7 +226,7 @@ TEST(CutSegments, RejectsInvalidNames) {
     EXPECT_NE(all.error().message.find(words), std::string::npos) << all.error().message;
   };
   refuse({planned(cut), planned(cut)}, "two segments are called 'front'");
-  refuse({planned(cut, "front")}, "is from 'front', which is not an earlier segment");
+  refuse({planned(cut, "front")}, "is cut from 'front', which is not an earlier segment");
 }
 
 }  // namespace

@@ -22,9 +22,9 @@ std::string png() { return encode_png({2, 1, {255, 0, 0, 255, 0, 0, 255, 255}}).
 
 CaseReport example() {
   CaseReport report;
-  report.title = "Mid-face, 6 mm forward";
+  report.title = "Midface, 6 mm forward";
   report.subtitle = "a case";
-  report.plan = "The mid-face moves 6 mm forward in 12 steps.";
+  report.plan = "The midface moves 6 mm forward in 12 steps.";
   report.converged = true;
   report.comparisons = {{"front", "drag to compare", png(), png()}};
   report.pictures = {{"displacement", "in mm", png()}};
@@ -62,7 +62,7 @@ TEST(ReportHtml, IsWellFormed) {
 TEST(ReportHtml, ContainsAllContentOfTheReport) {
   const std::string html = report_html(example());
   for (const std::string text :
-       {"Mid-face, 6 mm forward", "The mid-face moves 6 mm forward in 12 steps.",
+       {"Midface, 6 mm forward", "The midface moves 6 mm forward in 12 steps.",
         "largest displacement", "5.83 mm", "mean [mm]", "upper lip", "4.91",
         "the scan ends under the upper lip", "sha256 0123abcd", "No muscle acts.",
         "drag to compare", kNotForClinicalUse, kVersion})

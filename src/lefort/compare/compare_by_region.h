@@ -36,7 +36,7 @@ struct RegionDifference {
 ///
 /// Skin that does not move reduces the differences of the whole face. The moved part is therefore
 /// reported separately: the points more than 0.5 mm from the face before surgery. The distance is
-/// between equal vertices if both are the same surface, otherwise to the closest point.
+/// from vertex to vertex if both are the same mesh, otherwise to the closest point.
 ///
 /// \param face_L      the face.
 /// \param difference  of `face_L` to `other`.

@@ -1,5 +1,5 @@
 /// \file
-/// The movements achieved by an operation, from the skull after surgery.
+/// The bone movements achieved by surgery, from the skull after surgery.
 #pragma once
 
 #include <lefort/compare/register_segment.h>
@@ -18,7 +18,7 @@ struct PlannedBones {
   std::vector<std::string> segments;               ///< Names.
   std::vector<geometry::TriangleMesh> segments_B;  ///< One per segment, before the movement.
   std::vector<RigidTransform> planned_LB;          ///< One per segment: its planned pose.
-  double kerf_mm = 0.0;  ///< Largest of all osteotomies: a segment can have another's cut face.
+  double kerf_mm = 0.0;  ///< Largest kerf: two osteotomies can cut the same segment.
 };
 
 /// The movement of one segment.
@@ -30,7 +30,7 @@ struct AchievedMovement {
   MovementDifference error;     ///< From the planned position to the achieved one.
 };
 
-/// Registers the skull after surgery on the bone that the operation left unaltered.
+/// Registers the skull after surgery on bone that surgery did not alter.
 ///
 /// \param bones         of the plan.
 /// \param skull_after   after surgery, in its scan's frame.

@@ -36,9 +36,9 @@ struct MovementDifference {
                                                     const RigidTransform& planned_LB,
                                                     Progress& progress = Progress::none());
 
-/// Removes the part of a bone that surgery may have altered. For stationary bone, the result is not
-/// changed by saw and healing, and two scans can be registered on it; for a segment, it is the
-/// surface without cut faces.
+/// Removes the part of a bone that surgery may have altered. Of the stationary bone, the part
+/// remains that saw and healing do not change; two scans can be registered on it. Of a segment, the
+/// surface without cut faces remains.
 ///
 /// \param bone_L           the bone.
 /// \param others_L         the other bones after the osteotomy.

@@ -33,10 +33,9 @@ struct CheckPlanJob {
 };
 struct PlanCheckSummary {
   Summary summary;
-  bool has_findings = false;  ///< The plan is not feasible.
+  bool has_findings = false;  ///< Overlap, gap or missing support beyond the limits.
 };
-
-/// Computes the segments at the end of their paths, and findings that make the plan infeasible.
+/// Computes the segments at the end of their paths, and the findings of the check.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct CutJob {

@@ -34,9 +34,9 @@ Result<void> check_segments(std::span<const PlannedSegment> planned) {
       return fail(ErrorCode::kPlanInvalid, fmt::format("two segments are called '{}'", name));
     const std::string& from = planned[k].from;
     if (!from.empty() && index_of(planned, k, from) == k)
-      return fail(
-          ErrorCode::kPlanInvalid,
-          fmt::format("segment '{}' is from '{}', which is not an earlier segment", name, from));
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("segment '{}' is cut from '{}', which is not an earlier segment",
+                              name, from));
   }
   return {};
 }

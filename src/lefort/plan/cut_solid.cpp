@@ -25,7 +25,7 @@ std::string invalid_reason(const CutPlane& plane) {
   if (!(width_mm > 0.0 && height_mm > 0.0) || !std::isfinite(width_mm + height_mm))
     return fmt::format("its size is {} x {} mm, must be above 0", width_mm, height_mm);
   if (!across_L.allFinite() || !(across_L.cross(plane.normal_L).norm() > 1e-6 * across_L.norm()))
-    return "its width direction is parallel to its normal, must not be";
+    return "its width direction must not be parallel to its normal";
   return {};
 }
 
@@ -88,24 +88,25 @@ Result<void> check_osteotomy(const Osteotomy& osteotomy) {
   if (osteotomy.planes.empty() && osteotomy.curves.empty())
     return bad("`planes` is empty, must have one or more");
   if (!(osteotomy.kerf_mm >= 0.0 && osteotomy.kerf_mm <= kMaxKerf_mm))
-    return bad(
-        fmt::format("the saw's kerf is {} mm, must be 0 to {:g}", osteotomy.kerf_mm, kMaxKerf_mm));
+    return bad(fmt::format("the kerf of the saw is {} mm, must be 0 to {:g}", osteotomy.kerf_mm,
+                           kMaxKerf_mm));
   if (const std::string why = invalid_reason(osteotomy.planes, osteotomy.curves); !why.empty())
     return bad(why);
   bool is_other_bounded = false;
   for (std::size_t r = 0; r < osteotomy.additional_regions.size(); ++r) {
     const CutRegion& region = osteotomy.additional_regions[r];
     if (region.planes.empty() && region.curves.empty())
-      return bad(fmt::format("also[{}] has neither planes nor curves", r));
+      return bad(fmt::format("additional_regions[{}] has neither planes nor curves", r));
     if (const std::string why = invalid_reason(region.planes, region.curves); !why.empty())
-      return bad(fmt::format("also[{}]: {}", r, why));
+      return bad(fmt::format("additional_regions[{}]: {}", r, why));
     is_other_bounded |= std::any_of(region.planes.begin(), region.planes.end(), is_bounded);
   }
   const auto bounded = std::count_if(osteotomy.planes.begin(), osteotomy.planes.end(), is_bounded);
   const bool has_others = bounded != std::ptrdiff_t(osteotomy.planes.size()) ||
                           !osteotomy.curves.empty() || !osteotomy.additional_regions.empty();
   if (is_other_bounded || (bounded > 0 && has_others))
-    return bad("bounded planes cannot be combined with curves, unbounded planes or `also`");
+    return bad(
+        "bounded planes cannot be combined with curves, unbounded planes or `additional_regions`");
   for (const Vec3& point : osteotomy.anchor_points_L)
     if (!point.allFinite()) return bad("an anchor point is not finite");
   return {};

@@ -84,11 +84,11 @@ tl::unexpected<Error> exchanged(std::string_view stem, const char* direction) {
   return fail(
       ErrorCode::kPlanInvalid,
       fmt::format("landmarks {0}-R and {0}-L: the direction from right to left is more than "
-                  "60 degrees off {1}, are they exchanged?",
+                  "60 degrees off {1}; are they exchanged?",
                   stem, direction));
 }
 
-/// Checks that each landmark with a side lies on that side of the mid-plane.
+/// Checks that each right or left landmark lies on its side of the mid-sagittal plane.
 Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pair> pairs,
                          const Vec3& left) {
   std::vector<Vec3> middles;
@@ -106,8 +106,8 @@ Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pa
     if (!((side == "-L" ? -to_left_mm : to_left_mm) <= kBeyondMiddle_mm))
       return fail(
           ErrorCode::kPlanInvalid,
-          fmt::format("landmark {} lies {:.1f} mm to the {} of the mid-plane, has it the "
-                      "wrong side?",
+          fmt::format("landmark {} lies {:.1f} mm to the {} of the mid-sagittal plane; is "
+                      "the side in its name wrong?",
                       landmark.name, std::abs(to_left_mm), side == "-L" ? "right" : "left"));
   }
   return {};

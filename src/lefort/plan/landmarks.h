@@ -56,15 +56,16 @@ struct LandmarkKind {
 /// The axis towards the patient's left: the mean direction of the standard pairs from right to
 /// left, or x if there is no pair.
 ///
-/// Exchanged sides would turn the head over. The sides in the names are therefore compared with the
-/// frame L, whose x axis points to the patient's left.
+/// If sides were exchanged, the head would be upside down in this frame. The sides in the names are
+/// therefore compared with the frame L, whose x axis points to the patient's left.
 ///
 /// \param landmarks  of one head.
 /// \returns a unit vector; or kPlanInvalid, with the names of the landmarks, if
 ///   - the direction of a pair differs by more than 60 degrees from the patient's left, or from the
 ///     mean of all pairs;
-///   - there are pairs, and a landmark with a side lies more than 5 mm beyond the mid-plane, which
-///     passes through the mean of the midpoints of pairs and of the unpaired standard landmarks.
+///   - there are pairs, and a right or left landmark lies more than 5 mm on the wrong side of the
+///     mid-sagittal plane. That plane passes through the mean of the midpoints of pairs and of the
+///     unpaired standard landmarks.
 [[nodiscard]] Result<Vec3> patient_left_axis(std::span<const Landmark> landmarks);
 
 /// \param landmarks  to be searched.

@@ -28,8 +28,8 @@ namespace lefort::plan {
 ///     geometry/fit_rigid.h);
 ///   - a distance exceeds the tolerance (the message names the landmark);
 ///   - the rotation exceeds 45 degrees, or the sides of the targets contradict L (see
-///     patient_left_axis()). Both indicate exchanged sides: three points can also be fitted to
-///     their mirror image.
+///     patient_left_axis()). Both indicate exchanged sides: a rigid motion can also bring
+///     three points to their mirror image.
 [[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                              std::span<const Landmark> targets,
                                                              double tolerance_mm);

@@ -61,7 +61,7 @@ Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwar
   if (!(-head.anterior.y() > kMinAnteriorCosine))
     return bad(
         "the direction from its posterior to its anterior landmarks is more than 60 degrees off "
-        "the patient's front, are they exchanged?");
+        "the patient's anterior direction; are they exchanged?");
   return head;
 }
 
@@ -72,8 +72,8 @@ Osteotomy le_fort_1(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
-/// Direction from nasion down and back to the top of the pterygomaxillary fissure, below the skull
-/// base.
+/// Direction from nasion to the top of the pterygomaxillary fissure, which is posterior and
+/// inferior to nasion, below the skull base.
 Vec3 roof_backwards(const Head& head) {
   constexpr double kFissure = 0.45;  // Height of the fissure: fraction of that of N above PNS.
   const Vec3 rise = head.up.dot(head.at("N") - head.at("PNS")) * head.up;
@@ -129,10 +129,10 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
 }
 
 ///   seen from the left, anterior to the left     The proximal segment is above the medial cut or
-///                 ) Co                           lateral to the split, and behind the buccal cut.
-///      medial cut -------\   proximal            The distal segment, which moves, is on each side
-///                        |                       in front of the buccal cut, or both below the
-///      L6   | buccal cut | split inside Go       medial cut and medial to the split.
+///                 ) Co                           lateral to the split, and posterior to the
+///      medial cut -------\   proximal            buccal cut. The distal segment, which moves, is
+///                        |                       on each side anterior to the buccal cut, or both
+///      L6   | buccal cut | split medial to Go    below the medial cut and medial to the split.
 ///     -------------------/ Go
 Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
   constexpr double kMedialCut = 0.5;    // Fraction of Go-Co, above the lingula.

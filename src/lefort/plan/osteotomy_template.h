@@ -1,5 +1,5 @@
 /// \file
-/// Standard osteotomies, positioned by landmarks. Drawings are in docs/guide/osteotomies.md.
+/// Standard osteotomies, positioned by landmarks. Described in docs/guide/osteotomies.md.
 ///
 /// They consist of planes, so they only approximate surgical osteotomy lines: a starting point for
 /// planning, not a cutting guide.
@@ -18,11 +18,11 @@
 namespace lefort::plan {
 
 enum class OsteotomyTemplate {
-  kLeFort1,        ///< The maxilla below the nose: ANS, PNS.
+  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
   kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
-  kLeFort3,        ///< The mid-face with the zygomas: N, Or, FZ on both sides, ANS, PNS.
+  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
   kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
-  kSagittalSplit,  ///< The tooth-bearing mandible (BSSO): Me, and Go, Co, L6 on both sides.
+  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
 };
 
 /// \param kind  a template.
@@ -40,7 +40,7 @@ struct TemplateOptions {
   double behind_palate_mm = 0.0;
   /// Le Fort III: posterior to FZ, through the lateral orbital wall and the zygomatic arch.
   double behind_rim_mm = 12.0;
-  double above_pogonion_mm = 6.0;  ///< Genioplasty.
+  double above_pogonion_mm = 6.0;  ///< Genioplasty: of the cut, above Pg.
   double split_depth_mm = 5.0;     ///< Sagittal split: of the sagittal plane, medial to Go.
   double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
 };
@@ -50,10 +50,11 @@ struct TemplateOptions {
 ///
 /// \param kind       which osteotomy.
 /// \param segment    name of the segment.
-/// \param landmarks  at least those listed at the kind.
+/// \param landmarks  at least those that OsteotomyTemplate lists for the kind.
 /// \param options    distances from the landmarks.
-/// \returns the osteotomy; or kPlanInvalid with the names of a missing landmark, of two that
-///   coincide, or of those whose sides or order contradict L (see patient_left_axis()).
+/// \returns the osteotomy; or kPlanInvalid if a landmark is missing, two landmarks coincide, or
+///   right and left, or anterior and posterior landmarks are exchanged (see patient_left_axis()).
+///   The message names the landmarks.
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});

@@ -256,8 +256,8 @@ Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, doubl
   if (all.before_mm2 == 0.0 && all.behind_mm2 == 0.0) return Side::kAway;
   if (all.behind_mm2 <= kSlit * all.before_mm2) return Side::kBefore;
   if (all.before_mm2 <= kSlit * all.behind_mm2) return Side::kBehind;
-  return misses(osteotomy, fmt::format("plane {} does not separate the bone: the bone in front of "
-                                       "its planes is connected to the bone behind",
+  return misses(osteotomy, fmt::format("plane {} does not separate the bone: the segment is still "
+                                       "connected to the remainder beyond its edges",
                                        sheet));
 }
 
@@ -275,7 +275,7 @@ Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteoto
     is_other.push_back(side != Side::kBefore);
   }
   if (std::find(is_before.begin(), is_before.end(), true) == is_before.end())
-    return misses(osteotomy, "no bone lies in front of its planes");
+    return misses(osteotomy, "no bone lies on the segment's side of its planes");
   LEFORT_TRY(Sorted sorted, sort_pieces(bodies, is_before, osteotomy, options));
   TriangleMesh remainder = gather(bodies, is_other);
   double kerf_mm3 = cut.inside_volume_mm3;

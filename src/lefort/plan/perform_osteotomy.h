@@ -10,8 +10,8 @@
 namespace lefort::plan {
 
 /// Fragments: pieces within the cut that do not belong to the segment, such as spicules, islands,
-/// and other bones that extend into it (the coronoid process into a mid-face). Pieces smaller than
-/// either bound stay with the remainder. A piece at an anchor point must reach only the volume.
+/// and other bones that extend into it (the coronoid process into a midface). Pieces smaller than
+/// either bound stay with the remainder. A piece at an anchor point needs only the volume.
 struct OsteotomyOptions {
   double min_piece_ml = 0.5;         ///< >= 0.
   double min_piece_fraction = 0.05;  ///< Of the largest piece's volume, 0 to 1.

@@ -28,23 +28,23 @@ struct CutPlane {
 struct CutCurve {
   std::vector<Vec3> points_L;  ///< Three or more, in order; the last is joined to the first.
   Vec3 direction_L;            ///< Into the bone; not zero. The curve is projected along it.
-  /// From the curve's first point along the direction; none: through all bone. Against the
+  /// From the first point of the curve along the direction; none: through all bone. In the opposite
   /// direction, the cut is unbounded.
   std::optional<double> depth_mm = std::nullopt;
 };
 
-/// The points on the inner side of every plane and inside every curve.
+/// The points on the segment's side of every plane and inside every curve.
 struct CutRegion {
   std::vector<CutPlane> planes;
   std::vector<CutCurve> curves;
 };
 
-/// The segment is the bone within `planes` and `curves`, for example the mid-face in front of a
+/// The segment is the bone within `planes` and `curves`, for example the midface anterior to a
 /// coronal plane and below an axial one, and the bone within each of `additional_regions`.
 ///
 /// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded
-/// planes or additional regions. The bone in front of them is the segment, and must not be
-/// connected to the bone behind them around their edges.
+/// planes or additional regions. The bone on the side of their normals is the segment. It must not
+/// be connected to the remainder beyond their edges.
 struct Osteotomy {
   std::string segment;  ///< Name of the segment.
   std::vector<CutPlane> planes;

@@ -111,7 +111,7 @@ export const TEMPLATES: readonly {
     kind: 'le-fort-1',
     title: 'Le Fort I',
     needs: ['ANS', 'PNS'],
-    describes: 'Along the palate, above the teeth; behind PNS.',
+    describes: 'Parallel to the palate, above the roots of the teeth; posterior to PNS.',
   },
   {
     kind: 'le-fort-2',
@@ -123,13 +123,13 @@ export const TEMPLATES: readonly {
     kind: 'le-fort-3',
     title: 'Le Fort III',
     needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'],
-    describes: 'The mid-face, through the lateral walls of the orbits.',
+    describes: 'The midface, through the lateral walls of the orbits.',
   },
   {
     kind: 'sagittal-split',
     title: 'Sagittal split (BSSO)',
     needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'],
-    describes: 'The tooth-bearing part of the mandible.',
+    describes: 'The distal (tooth-bearing) segment of the mandible.',
   },
   { kind: 'genioplasty', title: 'Genioplasty', needs: ['Me', 'Pg', 'Go-R', 'Go-L'], describes: 'The chin.' },
 ];

@@ -9,7 +9,7 @@ void add_compare_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::CompareJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = cli.add_subcommand(
-      "compare", "Measure the distance between two faces, and the movements by surgery");
+      "compare", "Measure the distance between two faces, and the achieved bone movements");
   command
       ->add_option("face", job->face,
                    "A face: .vtp, .stl, .ply, .obj, or the folder of a prediction")
@@ -18,16 +18,18 @@ void add_compare_command(CLI::App& cli, CommandContext& context) {
       command->add_option("other", job->other, "The face to compare with, in the same formats");
   command
       ->add_option("--after-ct", job->after_ct,
-                   "Instead, a scan after surgery, in any position: it is registered on the "
-                   "stationary bone, and the movement of each segment is measured")
+                   "Instead of another face, a scan after surgery, in any position: it is "
+                   "registered on the stationary bone, and the movement of each segment is "
+                   "measured")
       ->excludes(other);
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   command->add_option("--before", job->before,
-                      "The face before surgery, for the baseline without change (default for the "
-                      "folder of a prediction: its own)");
+                      "The face before surgery, as the baseline without change (default for the "
+                      "folder of a prediction: the face before surgery in it)");
   command->add_option("--landmarks", job->landmarks,
                       "Landmarks before surgery, .mrk.json or .csv: those of the skin define nose, "
-                      "lips, chin and cheeks (default for the folder of a prediction: its plan's)");
+                      "lips, chin and cheeks (default for the folder of a prediction: those of its "
+                      "plan)");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->footer(
       "Examples:\n"

@@ -7,19 +7,19 @@ namespace lefort::app {
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const plan =
-      cli.add_subcommand("plan", "Osteotomies and movements of bones, without the face");
+      cli.add_subcommand("plan", "Osteotomies and bone movements, without the face");
   plan->require_subcommand(1);
   const auto job = std::make_shared<pipeline::CheckPlanJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(
-      "check", "Check overlap of bones, gaps, and support of segments, without a prediction");
+      "check", "Check bone overlap, gaps and support of segments, without a prediction");
   command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   CLI::Option* const ct =
       command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
   command
       ->add_option("--skull", job->skull,
-                   "A closed surface of the bone instead: .vtp, .stl, .ply or .obj")
+                   "Instead of a scan, a closed surface of the bone: .vtp, .stl, .ply or .obj")
       ->excludes(ct);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone overlap [mm]")
@@ -32,7 +32,7 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--support", job->limits.support_mm,
-                   "Bone nearer than this to a cut face supports it [mm]")
+                   "Maximum distance of bone that supports a cut face [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
@@ -43,9 +43,9 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
   command->footer(
       "Example:\n"
       "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"
-      "Writes check.json, the bones where they end, their transforms for 3D Slicer, landmarks and\n"
-      "cephalometry if the plan has landmarks, and pictures/. Exit code 1 if something is\n"
-      "found. Not for clinical use.");
+      "Writes check.json, the bones after the movement, their transforms for 3D Slicer, and\n"
+      "pictures/. If the plan has landmarks, also landmarks and cephalometry after the movement.\n"
+      "Exit code 1 if there is a finding. Not for clinical use.");
   command->callback([job, no_pictures, &context] {
     job->pictures = !*no_pictures;
     bool has_findings = false;

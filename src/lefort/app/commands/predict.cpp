@@ -9,7 +9,7 @@ void add_predict_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::PredictJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command =
-      cli.add_subcommand("predict", "Predict the face after the planned bone moves");
+      cli.add_subcommand("predict", "Predict the face after the planned bone movements");
   command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
   command->add_option("-o,--output", job->output, "Folder for the results")->required();
   command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
@@ -18,8 +18,8 @@ void add_predict_command(CLI::App& cli, CommandContext& context) {
       "Examples:\n"
       "  lefort predict examples/midface_forward.json --ct ct.nrrd -o forward/\n"
       "Writes report.html, prediction.json, predicted_skin.vtp and .stl, pictures/, and\n"
-      "paraview/prediction.pvd. Finished stages are kept in cache/ there and used again when\n"
-      "nothing that went into them has changed. Not for clinical use.");
+      "paraview/prediction.pvd. Finished stages are stored in cache/ there, and used again while\n"
+      "their inputs are unchanged. Not for clinical use.");
   command->callback([job, no_pictures, &context] {
     job->pictures = !*no_pictures;
     context.run("predict",

@@ -35,8 +35,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kTable = "cephalometry.csv";
 constexpr const char* kAboutLandmarks =
-    "seen in the frame of the landmarks before surgery; after it only landmarks on bone and teeth "
-    "are known, those on the skin are for a prediction";
+    "measured in the frame of the landmarks before surgery; after surgery only landmarks on bone "
+    "and teeth are known, landmarks on the skin need a prediction";
 
 std::string surface_name(const std::string& segment) { return "segment_" + segment + ".vtp"; }
 std::string transform_name(const std::string& segment) { return "segment_" + segment + ".tfm"; }
@@ -182,11 +182,10 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
 }
 
 std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& cut) {
-  std::string text =
-      check.findings.empty()
-          ? std::string("no problem was found in the plan")
-          : fmt::format("the plan is not feasible, {} finding{}:", check.findings.size(),
-                        check.findings.size() == 1 ? "" : "s");
+  std::string text = check.findings.empty()
+                         ? std::string("the plan has no findings")
+                         : fmt::format("the plan has {} finding{}:", check.findings.size(),
+                                       check.findings.size() == 1 ? "" : "s");
   for (const predict::PlanFinding& finding : check.findings) text += "\n  " + finding.text;
   for (std::size_t k = 0; k < check.supports.size(); ++k) {
     const predict::SegmentSupport& support = check.supports[k];

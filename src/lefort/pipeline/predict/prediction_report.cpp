@@ -37,7 +37,7 @@ std::string in_words(const Vec3& translation_mm) {
     words += fmt::format("{:.1f} mm {}", std::abs(mm),
                          mm > 0.0 ? direction.positive : direction.negative);
   }
-  return words.empty() ? "no translation" : words;
+  return words.empty() ? "0.0 mm" : words;
 }
 
 /// "Segment “maxilla” moves 6.0 mm forward"
@@ -65,7 +65,7 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
       "Steps along the path",
       {"path fraction [%]", "Newton iterations", "relative residual", "nodes in contact",
        "max penetration [mm]", "mean penetration [mm]", "max penetration increase [mm]",
-       "P99 of it [mm]", "contact force [N]", "min Jacobian"},
+       "P99 penetration increase [mm]", "contact force [N]", "min Jacobian"},
       {}};
   for (const predict::PredictionStep& step : prediction.steps) {
     const contact::ContactStatistics contact = step.contact();
@@ -87,7 +87,7 @@ report::ReportTable segment_table(const PreparedCase& prepared,
   report::ReportTable table{
       "Segments at the end of the path",
       {"segment", "volume [ml]", "nodes in contact", "contact area [mm\u00b2]",
-       "max penetration increase [mm]", "P99 of it [mm]", "contact force [N]"},
+       "max penetration increase [mm]", "P99 penetration increase [mm]", "contact force [N]"},
       {}};
   for (std::size_t k = 0; k < last.segments.size(); ++k) {
     const contact::ContactStatistics& contact = last.segments[k].contact;
@@ -116,7 +116,7 @@ std::string law_in_words(double young_mpa, double poisson) {
 
 std::string mucosa_in_words(const predict::TissueOptions& tissue) {
   if (!tissue.mucosa) return "as deep tissue";
-  return fmt::format("within {:g} mm of the air inside; {}", tissue.mucosa->thickness_mm,
+  return fmt::format("within {:g} mm of airway and sinuses; {}", tissue.mucosa->thickness_mm,
                      law_in_words(tissue.mucosa->young_mpa, tissue.mucosa->poisson));
 }
 
@@ -128,25 +128,26 @@ std::string muscle_in_words(const predict::TissueOptions& tissue) {
 /// The material of the tissue, and which tissues are not distinguished.
 std::string material_limits(const predict::TissueOptions& tissue) {
   if (!tissue.skin && !tissue.mucosa && !tissue.muscle)
-    return "Soft tissue is one homogeneous, compressible, elastic material at rest without "
-           "pre-stress; skin, fat and muscle are not distinguished.";
+    return "Soft tissue is one homogeneous, compressible, elastic material without pre-stress "
+           "before surgery; skin, fat and muscle are not distinguished.";
   std::string text = "Deep tissue";
   if (tissue.skin) text += ", skin";
   if (tissue.mucosa) text += ", mucosa";
   if (tissue.muscle) text += ", muscle";
-  text += " are each a homogeneous, compressible, elastic material at rest without pre-stress; ";
+  text +=
+      " are each a homogeneous, compressible, elastic material without pre-stress before surgery; ";
   if (tissue.muscle) text += "muscle has no fibers and does not contract; ";
-  if (tissue.skin) text += "skin is not thinner at the lids; ";
+  if (tissue.skin) text += "skin is not thinner at the eyelids; ";
   text += "fat";
   if (!tissue.skin) text += ", skin";
   if (!tissue.muscle) text += ", muscle";
-  return text + " and the rest are not distinguished.";
+  return text + " and other tissues are not distinguished.";
 }
 
 std::string skin_in_words(const PreparedCase& prepared) {
   const auto& skin = prepared.plan.tissue.skin;
   if (!skin || !prepared.skin_layer) return "as deep tissue";
-  return fmt::format("{} layers, {:g} mm requested, {:.2f} mm on average under {:.0f} % of it; {}",
+  return fmt::format("{} layers, {:g} mm requested, {:.2f} mm mean over {:.0f} % of the skin; {}",
                      skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
                      100.0 * prepared.skin_layer->covered_fraction,
                      law_in_words(skin->young_mpa, skin->poisson));
@@ -186,7 +187,7 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
                                      prediction.contact_stiffness_mpa_per_mm,
                                      predict::stiffness_factor(plan.contact))
                        : std::string("\u2013")},
-           {"penetration of the mesh before movement",
+           {"penetration of tissue into the segment before it moves",
             is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
                        : std::string("\u2013")},
            {"periosteal elevation from stationary bone",
@@ -194,7 +195,7 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"distance field of the segment",
             fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
            {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
-           {"fragments between the planes that do not move",
+           {"fragments within the cut, part of the stationary bone",
             fmt::format("{:.2f} ml in {} pieces", fragments_mm3 * 1e-3, fragments)}}};
 }
 
@@ -270,15 +271,15 @@ std::vector<std::string> notes_on(const PreparedCase& prepared,
   std::vector<std::string> notes = prepared.provenance.warnings;
   if (const predict::BoneOverlapAtFraction* deepest = predict::find_deepest(prepared.overlaps))
     notes.push_back(predict::describe_overlap(*deepest, prepared.plan.segments.size()) +
-                    fmt::format("; depths of all steps are in prediction.json and, of each "
-                                "segment, in {}*.vtp.",
+                    fmt::format("; prediction.json gives the depth at each step, {}*.vtp "
+                                "on each segment.",
                                 kBoneOverlap));
   if (prediction.steps.empty()) return notes;
   const contact::ContactStatistics contact = prediction.steps.back().contact();
   if (contact.tunnelled_area_mm2 > 0.0)
     notes.push_back(
         fmt::format("The penalty method does not fully prevent penetration: {:.1f} mm\u00b2 of "
-                    "tissue, of {:.0f} mm\u00b2 in contact, tunnelled through thin bone.",
+                    "tissue, of {:.0f} mm\u00b2 in contact, passed through thin bone.",
                     contact.tunnelled_area_mm2, contact.area_mm2));
   return notes;
 }
@@ -299,9 +300,9 @@ std::vector<report::ProvenanceRow> provenance_rows(const Provenance& provenance)
 std::vector<std::string> limitations_of(const PreparedCase& prepared) {
   return {
       material_limits(prepared.plan.tissue),
-      "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
-      "chosen lower than measured for that reason.",
-      "Tissue outside the meshed region does not move, and tissue beyond the scan boundary is not "
+      "Linear tetrahedra are too stiff for nearly incompressible tissue. For this reason, "
+      "Poisson\u2019s ratio is lower than measured values.",
+      "Tissue outside the tissue mesh does not move, and tissue beyond the scan boundary is not "
       "modeled: near the scan boundary the prediction is not reliable.",
       prepared.model.stationary_bone
           ? "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone, except "
@@ -309,7 +310,7 @@ std::vector<std::string> limitations_of(const PreparedCase& prepared) {
             "stationary bone."
           : "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone; new "
             "contact of tissue with stationary bone is not modeled.",
-      "Not validated against post-operative scans."};
+      "Not validated against postoperative scans."};
 }
 
 }  // namespace
