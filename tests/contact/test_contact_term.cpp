@@ -20,11 +20,11 @@ namespace {
 
 constexpr double kStiffness = 0.04;
 
-ContactTerm::Options options(double capture_mm,
+ContactTerm::Options options(double contact_snap_mm,
                              Integration integration = Integration::kQuadrature) {
   return {.name = "the plate",
           .stiffness_mpa_per_mm = kStiffness,
-          .capture_mm = capture_mm,
+          .contact_snap_mm = contact_snap_mm,
           .integration = integration};
 }
 
@@ -200,7 +200,7 @@ TEST(ContactTerm, BeyondTheMedialSurfaceTheTangentPlanePushesBack) {
   EXPECT_NEAR(kept.energy_mj, kStiffness * 1.5 * 1.5 * kFaceArea_mm2, 1e-5);
   EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
               1e-5);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_depth_from_rest_mm, 1.5, 1e-5);
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_penetration_increase_mm, 1.5, 1e-5);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
 
   term.rollback();  // The planes were not committed.
@@ -235,8 +235,8 @@ TEST(ContactTerm, PenetrationAndPenetrationIncreaseDiffer) {
   const ContactStatistics pressed = term.summarize(flat_face(-0.4));
   EXPECT_NEAR(pressed.max_penetration_mm, 1.4, 1e-6);
   EXPECT_NEAR(pressed.mean_penetration_mm, 1.4, 1e-6);
-  EXPECT_NEAR(pressed.max_depth_from_rest_mm, 1.0, 1e-6);
-  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.max_penetration_increase_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_penetration_increase_mm, 1.0, 1e-6);
 }
 
 struct Tested {
@@ -370,7 +370,7 @@ TEST(ContactTerm, StatisticsAreSumsOverThePoints) {
   EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
   EXPECT_NEAR(pressed.max_penetration_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.mean_penetration_mm, 1.0, 1e-6);
-  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_penetration_increase_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.force_L_n.z(), 2.0 * kStiffness * 16.0, 1e-6);
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
 }
@@ -454,7 +454,7 @@ TEST(ContactTerm, MultipliersAreThePressureWithoutDepthAndNeverPull) {
   const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
   term.update_multipliers(flat_face(0.0));
   EXPECT_NEAR(term.summarize(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
-  EXPECT_NEAR(term.summarize(flat_face(1.0)).max_depth_from_rest_mm, 0.0, 1e-6);
+  EXPECT_NEAR(term.summarize(flat_face(1.0)).max_penetration_increase_mm, 0.0, 1e-6);
   EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
   // Half of the force where the face is half as far off; none beyond.
   EXPECT_NEAR(term.summarize(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
@@ -521,8 +521,8 @@ TEST(ContactTerm, TheP99OfDepthExcludesTheDeepestPercentOfTheArea) {
   for (Vec3& x : nodes) x.z() -= 0.25;
   nodes[150].z() = nodes[151].z() = nodes[152].z() = -1.9;
   const ContactStatistics pressed = term.summarize(nodes);
-  EXPECT_NEAR(pressed.max_depth_from_rest_mm, 0.9, 1e-6);
-  EXPECT_NEAR(pressed.p99_depth_from_rest_mm, 0.25, 1e-6);
+  EXPECT_NEAR(pressed.max_penetration_increase_mm, 0.9, 1e-6);
+  EXPECT_NEAR(pressed.p99_penetration_increase_mm, 0.25, 1e-6);
 }
 
 TEST(ContactTerm, CountsThePointsInContact) {

@@ -24,7 +24,7 @@ ContactTerm pressed_face(const std::shared_ptr<const field::DistanceField>& bone
   ContactTerm term(face_L, {{mesh::FaceShape::kTri3, {0, 1, 2}}},
                    {field_distance_query(bone, DetectionMethod::kSmooth).value()},
                    {.stiffness_mpa_per_mm = kStiffness,
-                    .capture_mm = 0.1,
+                    .contact_snap_mm = 0.1,
                     .penetration_tolerance_mm = tolerance_mm});
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation().z() = 1.0;
@@ -89,7 +89,7 @@ TEST(SolveAugmentedLagrangian, UpdatesUntilTheToleranceIsReached) {
   EXPECT_EQ(solves, 5);
   EXPECT_EQ(outcome.iterations(), 5);
   const ContactStatistics at_rest = contacts[0].summarize(displaced(face_at(0.0), outcome.x));
-  EXPECT_LE(at_rest.p99_depth_from_rest_mm, 1e-3);
+  EXPECT_LE(at_rest.p99_penetration_increase_mm, 1e-3);
   EXPECT_NEAR(at_rest.force_L_n.z(), kSpring * 1.0, 2e-4);
 }
 
@@ -107,7 +107,7 @@ TEST(SolveAugmentedLagrangian, AFaceAcrossARidgeIsPushedOffTheTip) {
       solve_augmented_lagrangian(contacts, across_ridge(0.0), VectorX::Zero(9), solve);
   ASSERT_TRUE(outcome.converged());
   const ContactStatistics off = contacts[0].summarize(displaced(across_ridge(0.0), outcome.x));
-  EXPECT_LE(off.p99_depth_from_rest_mm, 0.05);
+  EXPECT_LE(off.p99_penetration_increase_mm, 0.05);
   EXPECT_EQ(off.tunnelled_area_mm2, 0.0);
   EXPECT_NEAR(outcome.x[2], 1.0, 0.05);
 }
@@ -130,7 +130,7 @@ TEST(SolveAugmentedLagrangian, ReturnsTheLastEquilibriumWhenAFollowingSolveFails
   EXPECT_EQ(outcome.history.back().residual_n, 0.0);
   // In equilibrium with the committed multipliers.
   EXPECT_NEAR(contacts[0].summarize(face_at(second_z)).force_L_n.z(), kSpring * second_z, 1e-9);
-  EXPECT_GT(contacts[0].summarize(face_at(second_z)).p99_depth_from_rest_mm, 1e-3);
+  EXPECT_GT(contacts[0].summarize(face_at(second_z)).p99_penetration_increase_mm, 1e-3);
 }
 
 TEST(SolveAugmentedLagrangian, ThePenaltyScaleLastsAsLongAsTheMultiplier) {
@@ -182,7 +182,7 @@ TEST(SolveAugmentedLagrangian, EndsWhereUpdatesReduceNothing) {
                                  });
   EXPECT_TRUE(outcome.converged());
   EXPECT_EQ(solves, 4);
-  EXPECT_NEAR(contacts[0].summarize(face_at(0.0)).p99_depth_from_rest_mm, 1.0, 1e-6);
+  EXPECT_NEAR(contacts[0].summarize(face_at(0.0)).p99_penetration_increase_mm, 1.0, 1e-6);
 }
 
 }  // namespace

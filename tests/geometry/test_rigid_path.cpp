@@ -16,8 +16,8 @@ namespace {
 /// Forward, then down with a rotation about the first molar.
 RigidPath two_leg_path() {
   return {.segment = "midface",
-          .keyframes = {{.at = 0.4, .translation_mm = {0.0, -6.0, 0.0}},
-                        {.at = 1.0,
+          .keyframes = {{.path_fraction = 0.4, .translation_mm = {0.0, -6.0, 0.0}},
+                        {.path_fraction = 1.0,
                          .translation_mm = {0.0, -12.0, -5.0},
                          .rotation_rad = {0.2, 0.0, 0.0},
                          .center_L = {0.0, -60.0, -20.0}}},
@@ -35,7 +35,7 @@ TEST(RigidPath, StartsExactlyAtTheScannedPose) {
 TEST(RigidPath, IsExactAtEachKeyframe) {
   const RigidPath path = two_leg_path();
   for (const Keyframe& key : path.keyframes)
-    EXPECT_TRUE(pose_at(path, key.at).matrix() == pose_of(key).matrix());
+    EXPECT_TRUE(pose_at(path, key.path_fraction).matrix() == pose_of(key).matrix());
 }
 
 TEST(RigidPath, ATranslationIsProportionalToTheFraction) {
@@ -58,7 +58,8 @@ TEST(RigidPath, IsContinuousAcrossAKeyframe) {
 }
 
 TEST(RigidPath, MaxDisplacementIsThatOfTheFarthestPoint) {
-  RigidPath path{.segment = "midface", .keyframes = {{.at = 1.0, .rotation_rad = {0.0, 0.0, 0.5}}}};
+  RigidPath path{.segment = "midface",
+                 .keyframes = {{.path_fraction = 1.0, .rotation_rad = {0.0, 0.0, 0.5}}}};
   const std::array<Vec3, 3> points_B{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 8.0, 3.0), Vec3(2.0, 2.0, 0.0)};
   // A chord of the circle of radius 8 over a quarter of the angle.
   EXPECT_NEAR(max_displacement_mm(path, points_B, 0.5, 0.75), 16.0 * std::sin(0.0625), 1e-13);
@@ -76,12 +77,15 @@ TEST(CheckPath, RejectsInvalidPathsAndNamesTheValue) {
   const std::array<Case, 10> cases{
       {{[](RigidPath& p) { p.keyframes.clear(); }, "`keyframes` is empty"},
        {[](RigidPath& p) { p.steps = 0; }, "`steps` is 0"},
-       {[](RigidPath& p) { p.keyframes[0].at = 0.0; }, "keyframe 0: `at` is 0"},
-       {[](RigidPath& p) { p.keyframes[1].at = 1.5; }, "keyframe 1: `at` is 1.5"},
-       {[](RigidPath& p) { p.keyframes[0].at = kNan; }, "keyframe 0: `at` is nan"},
-       {[](RigidPath& p) { p.keyframes[1].at = 0.4; },
-        "keyframe 1: `at` is 0.4, must be above 0.4"},
-       {[](RigidPath& p) { p.keyframes[1].at = 0.9; }, "last keyframe is at 0.9"},
+       {[](RigidPath& p) { p.keyframes[0].path_fraction = 0.0; },
+        "keyframe 0: `path_fraction` is 0"},
+       {[](RigidPath& p) { p.keyframes[1].path_fraction = 1.5; },
+        "keyframe 1: `path_fraction` is 1.5"},
+       {[](RigidPath& p) { p.keyframes[0].path_fraction = kNan; },
+        "keyframe 0: `path_fraction` is nan"},
+       {[](RigidPath& p) { p.keyframes[1].path_fraction = 0.4; },
+        "keyframe 1: `path_fraction` is 0.4, must be above 0.4"},
+       {[](RigidPath& p) { p.keyframes[1].path_fraction = 0.9; }, "last keyframe is at 0.9"},
        {[](RigidPath& p) { p.keyframes[0].translation_mm.y() = kNan; },
         "keyframe 0: its translation"},
        {[](RigidPath& p) { p.keyframes[1].center_L.x() = kNan; }, "keyframe 1: its center"},

@@ -89,7 +89,7 @@ TEST(DeckFile, EveryKeyArrives) {
   const solve::Obstacle& ball = deck.obstacles[0];
   EXPECT_EQ(ball.name, "ball");
   EXPECT_EQ(ball.stiffness_mpa_per_mm, 8e-3);
-  EXPECT_EQ(ball.capture_mm, 0.25);
+  EXPECT_EQ(ball.contact_snap_mm, 0.25);
   EXPECT_EQ(ball.detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(ball.integration, contact::Integration::kQuadrature);
   EXPECT_FALSE(ball.penetration_tolerance_mm);

@@ -50,12 +50,12 @@ TEST(DeprecatedKeys, PlanIsReadWithOneWarningForEachName) {
   EXPECT_EQ(plan.segments[0].osteotomy.anchor_points_L.size(), 1U);
   EXPECT_EQ(plan.segments[0].cut.min_piece_ml, 0.25);
   EXPECT_EQ(plan.segments[0].cut.min_piece_fraction, 0.125);
-  EXPECT_EQ(plan.segments[0].path.keyframes[0].at, 0.5);
-  EXPECT_EQ(plan.segments[1].from, "front");
+  EXPECT_EQ(plan.segments[0].path.keyframes[0].path_fraction, 0.5);
+  EXPECT_EQ(plan.segments[1].cut_from, "front");
   EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kBonded);
   EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFixed);
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
-  EXPECT_EQ(plan.boundary.capture_mm, 0.5);
+  EXPECT_EQ(plan.boundary.contact_snap_mm, 0.5);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(plan.solver.min_increment_ratio, 0.25);
   ASSERT_EQ(plan.warnings.size(), deprecated_in_plans().keys.size() + 1);  // And one value.
@@ -66,9 +66,9 @@ TEST(DeprecatedKeys, PlanIsReadWithOneWarningForEachName) {
 TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
   const DeckFile file = parse_deck(kOldDeck, ".").value();
   const solve::Deck& deck = file.deck;
-  EXPECT_EQ(deck.motions[0].path.keyframes[0].at, 0.25);
-  EXPECT_EQ(deck.obstacles[0].capture_mm, 0.25);
-  EXPECT_EQ(deck.obstacles[0].path.keyframes[0].at, 0.5);
+  EXPECT_EQ(deck.motions[0].path.keyframes[0].path_fraction, 0.25);
+  EXPECT_EQ(deck.obstacles[0].contact_snap_mm, 0.25);
+  EXPECT_EQ(deck.obstacles[0].path.keyframes[0].path_fraction, 0.5);
   EXPECT_EQ(deck.obstacles[0].detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(deck.steps.first_increment, 0.25);
   EXPECT_EQ(deck.steps.min_increment, 0.001);
@@ -98,7 +98,7 @@ TEST(DeprecatedKeys, RenamedPlanReadsTheSameWithoutAWarning) {
   const PlanFile plan = parse_plan(renamed, ".").value();
   EXPECT_TRUE(plan.warnings.empty());
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
-  EXPECT_EQ(plan.segments[0].path.keyframes[0].at, 0.5);
+  EXPECT_EQ(plan.segments[0].path.keyframes[0].path_fraction, 0.5);
   EXPECT_EQ(rename_plan_keys(renamed).value(), renamed);
   EXPECT_EQ(rename_plan_keys("{").error().code, ErrorCode::kPlanInvalid);
 }

@@ -206,10 +206,10 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   EXPECT_EQ(maxilla_path.interpolation, geometry::Interpolation::kScrew);
   EXPECT_EQ(maxilla_path.keyframes[0].center_L, Vec3(0, -25, -28));
   EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
-  EXPECT_EQ(maxilla_path.keyframes[1].at, 1.0);
+  EXPECT_EQ(maxilla_path.keyframes[1].path_fraction, 1.0);
 
   const plan::PlannedSegment& right = plan->segments[1];
-  EXPECT_EQ(right.from, "maxilla");
+  EXPECT_EQ(right.cut_from, "maxilla");
   EXPECT_EQ(right.osteotomy.curves[0].direction_L, Vec3(-1, 0, 0));
   EXPECT_EQ(right.osteotomy.curves[0].depth_mm, 12.0);
   EXPECT_EQ(right.osteotomy.additional_regions.size(), 1U);

@@ -111,14 +111,14 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
   EXPECT_EQ(segment.path.interpolation, geometry::Interpolation::kStraight);
   EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kSliding);
   EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFree);
-  EXPECT_EQ(segment.path.keyframes[0].at, frame.at);
+  EXPECT_EQ(segment.path.keyframes[0].path_fraction, frame.path_fraction);
   EXPECT_FALSE(segment.osteotomy.planes[0].bounds);
   expect_defaults(
       kPlanSchema,
       {{"/title", plan.title},
        {"/segmentation/bone_hu", plan.segmentation.bone_hu},
        {"/segmentation/skin_hu", plan.segmentation.skin_hu},
-       {"/segments/cut_from", segment.from},
+       {"/segments/cut_from", segment.cut_from},
        {osteotomy + "/template/above_palate_mm", cut.above_palate_mm},
        {osteotomy + "/template/behind_palate_mm", cut.behind_palate_mm},
        {osteotomy + "/template/behind_rim_mm", cut.behind_rim_mm},
@@ -131,7 +131,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {osteotomy + "/min_piece_fraction", segment.cut.min_piece_fraction},
        {"/segments/path/steps", segment.path.steps},
        {"/segments/path/interpolation", "straight"},
-       {keyframe + "/path_fraction", frame.at},
+       {keyframe + "/path_fraction", frame.path_fraction},
        {keyframe + "/translation_mm", as_json(frame.translation_mm)},
        {keyframe + "/rotation_deg", as_json(frame.rotation_rad)},
        {keyframe + "/about_mm", as_json(frame.center_L)},
@@ -146,7 +146,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/boundary/segment_interface", "sliding"},
        {"/boundary/scan_boundary", "free"},
        {"/boundary/elevation_margin_mm", plan.boundary.elevation_margin_mm},
-       {"/boundary/contact_snap_mm", plan.boundary.capture_mm},
+       {"/boundary/contact_snap_mm", plan.boundary.contact_snap_mm},
        {"/contact/detection", std::string(contact::name_of(plan.contact.detection))},
        {"/contact/integration", std::string(contact::name_of(plan.contact.integration))},
        {"/field/resolution", plan.field.resolution},
@@ -189,7 +189,7 @@ TEST(SchemaDefaults, OfADeckAreThoseOfTheProgram) {
        {"/pressures/curve", curve},
        {"/body_forces/curve", curve},
        {"/obstacles/stiffness_factor", ball.stiffness_factor},
-       {"/obstacles/contact_snap_mm", ball.capture_mm},
+       {"/obstacles/contact_snap_mm", ball.contact_snap_mm},
        {"/obstacles/detection", std::string(contact::name_of(ball.detection))},
        {"/obstacles/integration", std::string(contact::name_of(ball.integration))},
        {"/obstacles/resolution", file.obstacles[0].options.resolution},
@@ -207,7 +207,7 @@ TEST(SchemaDefaults, OfADeckAreThoseOfTheProgram) {
        {"/output/every", "increment"},
        {"/output/fields",
         {"displacement", "stress", "volume_ratio", "stretches", "energy", "contact"}},
-       {"#keyframes/time", frame.at},
+       {"#keyframes/time", frame.path_fraction},
        {"#keyframes/translation_mm", as_json(frame.translation_mm)},
        {"#keyframes/rotation_deg", as_json(frame.rotation_rad)},
        {"#keyframes/about_mm", as_json(frame.center_L)}});

@@ -19,7 +19,7 @@ predict::Restart some_restart() {
   step.segments[1].X_LB.translation() = Vec3(1.0, -2.0, 3.5);
   step.displacement_mm = {Vec3(0.1, 0.2, 0.3), Vec3(-1e-300, 0.0, 1.0 / 3.0)};
   step.segments[1].contact.points = 17;
-  step.segments[1].contact.p99_depth_from_rest_mm = 0.04;
+  step.segments[1].contact.p99_penetration_increase_mm = 0.04;
   step.min_J = 0.9;
   fem::LoadAttempt attempt;
   attempt.t_to = 0.25;

@@ -46,12 +46,13 @@ TEST(StageKeys, AFieldDependsOnTheBoneAndEveryOption) {
 }
 
 TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
-  const auto key = [](const std::string& scan, anatomy::Tissue tissue,
-                      const anatomy::LevelOptions& levels, const predict::TissueOptions& options,
-                      const geometry::TriangleMesh& segment_L = kBox,
-                      const geometry::TriangleMesh& remainder_L = kBox, double capture_mm = 0.8) {
-    return tissue_key(scan, labels(tissue), levels, segment_L, remainder_L, options, capture_mm);
-  };
+  const auto key =
+      [](const std::string& scan, anatomy::Tissue tissue, const anatomy::LevelOptions& levels,
+         const predict::TissueOptions& options, const geometry::TriangleMesh& segment_L = kBox,
+         const geometry::TriangleMesh& remainder_L = kBox, double contact_snap_mm = 0.8) {
+        return tissue_key(scan, labels(tissue), levels, segment_L, remainder_L, options,
+                          contact_snap_mm);
+      };
   constexpr auto kBone = anatomy::Tissue::kBone;
   const std::set<std::string> keys{key("scan", kBone, {}, {}),
                                    key("other", kBone, {}, {}),

@@ -189,7 +189,7 @@ TEST(BoundaryLabels, EachNodeIsCountedOnce) {
     EXPECT_EQ(rule.with_segment, 0);  // It slides where it is not painted.
     EXPECT_EQ(rule.within_mm.has_value(), rule.set != sets::kFree);
     if (rule.set == sets::kStationaryBone) {
-      EXPECT_EQ(rule.within_mm, boundary.capture_mm);
+      EXPECT_EQ(rule.within_mm, boundary.contact_snap_mm);
       EXPECT_GT(rule.painted, 0);
     }
   }

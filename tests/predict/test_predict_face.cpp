@@ -89,9 +89,9 @@ TEST(PredictFace, MultipliersReachThePenetrationTolerance) {
   options.contact.penetration_tolerance_mm = 0.01;
   const auto augmented = predict_face(model, {path}, options).value();
   ASSERT_TRUE(penalty.converged() && augmented.converged());
-  EXPECT_GT(penalty.steps.back().contact().p99_depth_from_rest_mm, 0.05);
+  EXPECT_GT(penalty.steps.back().contact().p99_penetration_increase_mm, 0.05);
   for (const PredictionStep& step : augmented.steps) {
-    EXPECT_LE(step.contact().p99_depth_from_rest_mm, 0.01);
+    EXPECT_LE(step.contact().p99_penetration_increase_mm, 0.01);
     EXPECT_LE(step.relative_residual, 1e-8);
   }
 }
@@ -130,7 +130,8 @@ TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // Only ratios m
 TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
   const FaceModel model = block_on_slab();
   geometry::RigidPath path = straight({2.0, 0.0, 1.0}, 4);  // Up, then to the left.
-  path.keyframes.insert(path.keyframes.begin(), {.at = 0.5, .translation_mm = {0.0, 0.0, 1.0}});
+  path.keyframes.insert(path.keyframes.begin(),
+                        {.path_fraction = 0.5, .translation_mm = {0.0, 0.0, 1.0}});
   const auto prediction = predict_face(model, {path}, options()).value();
   ASSERT_TRUE(prediction.converged());
   const auto& pressed = prediction.steps[1].displacement_mm;
@@ -230,7 +231,7 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
   for (const Restart& restart : kept) {
     const std::vector<double>& multipliers_mpa = restart.contacts[0].multipliers_mpa;
     ASSERT_GT(*std::max_element(multipliers_mpa.begin(), multipliers_mpa.end()), 0.0)
-        << restart.steps.back().contact().p99_depth_from_rest_mm << " mm";
+        << restart.steps.back().contact().p99_penetration_increase_mm << " mm";
     const auto rest = predict_face(model, {path}, options, {}, Progress::none(), restart).value();
     ASSERT_EQ(rest.steps.size(), whole.steps.size());
     for (std::size_t n = 0; n < whole.steps.size(); ++n) {
@@ -254,7 +255,7 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
     for (const contact::NodalContact& node : of_segment)
       deepest_mm = std::max(deepest_mm, node.depth_mm);
   EXPECT_GT(deepest_mm, 0.0);
-  EXPECT_EQ(deepest_mm, whole.steps.back().contact().max_depth_from_rest_mm);
+  EXPECT_EQ(deepest_mm, whole.steps.back().contact().max_penetration_increase_mm);
 }
 
 TEST(PredictFace, ResumedAfterAnyStepGivesTheSameBits) {
@@ -309,7 +310,7 @@ TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
       }
     }
     EXPECT_EQ(k, reported[n].size());
-    EXPECT_NEAR(reported[n].back().deepest_mm, seen.steps[n].contact().max_depth_from_rest_mm,
+    EXPECT_NEAR(reported[n].back().deepest_mm, seen.steps[n].contact().max_penetration_increase_mm,
                 1e-12);
   }
 }
@@ -338,7 +339,8 @@ TEST(PredictFace, RejectsAStepBeyondTheBandOfTheField) {
 
 TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   geometry::RigidPath detour = straight(Vec3::Zero(), 1);
-  detour.keyframes.insert(detour.keyframes.begin(), {.at = 0.4, .translation_mm = {0.0, 0.0, 2.0}});
+  detour.keyframes.insert(detour.keyframes.begin(),
+                          {.path_fraction = 0.4, .translation_mm = {0.0, 0.0, 2.0}});
   const auto prediction = predict_face(block_on_slab(), {detour}, {}).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 1U);
@@ -390,7 +392,7 @@ TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
 
 TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {
   PredictionOptions far_capture;
-  far_capture.boundary.capture_mm = 3.0;
+  far_capture.boundary.contact_snap_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
   EXPECT_EQ(beyond.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(beyond.error().message.find("contact_snap_mm is 3 mm"), std::string::npos);

@@ -159,13 +159,13 @@ TEST(SeveralSegments, EachReportsItsContact) {
                                    &right = last.segments[1].contact;
   EXPECT_GT(left.force_L_n.z(), 2.0 * right.force_L_n.z());
   EXPECT_GT(right.force_L_n.z(), 0.0);
-  EXPECT_GT(left.max_depth_from_rest_mm, right.max_depth_from_rest_mm);
+  EXPECT_GT(left.max_penetration_increase_mm, right.max_penetration_increase_mm);
   const contact::ContactStatistics both = last.contact();
   EXPECT_EQ(both.nodes, left.nodes + right.nodes);
   EXPECT_EQ(both.force_L_n, left.force_L_n + right.force_L_n);
-  EXPECT_EQ(both.max_depth_from_rest_mm, left.max_depth_from_rest_mm);
-  EXPECT_LT(both.mean_depth_from_rest_mm, left.mean_depth_from_rest_mm);
-  EXPECT_GT(both.mean_depth_from_rest_mm, right.mean_depth_from_rest_mm);
+  EXPECT_EQ(both.max_penetration_increase_mm, left.max_penetration_increase_mm);
+  EXPECT_LT(both.mean_penetration_increase_mm, left.mean_penetration_increase_mm);
+  EXPECT_GT(both.mean_penetration_increase_mm, right.mean_penetration_increase_mm);
   ASSERT_EQ(prediction.touched.size(), 2U);
   for (const contact::NodalContact& node : prediction.touched[1]) {
     if (node.pressure_mpa > 0.0) {
@@ -176,9 +176,11 @@ TEST(SeveralSegments, EachReportsItsContact) {
 
 TEST(SeveralSegments, ThePathWithTheMostStepsSetsAllStepsAndEachPassesItsKeyframes) {
   geometry::RigidPath left = named("left", {0.0, 0.0, 0.4}, 2);
-  left.keyframes.insert(left.keyframes.begin(), {.at = 0.6, .translation_mm = {0.0, 0.0, 0.9}});
+  left.keyframes.insert(left.keyframes.begin(),
+                        {.path_fraction = 0.6, .translation_mm = {0.0, 0.0, 0.9}});
   geometry::RigidPath right = named("right", {0.0, 0.0, 0.6}, 4);
-  right.keyframes.insert(right.keyframes.begin(), {.at = 0.3, .translation_mm = {0.0, 0.0, 0.1}});
+  right.keyframes.insert(right.keyframes.begin(),
+                         {.path_fraction = 0.3, .translation_mm = {0.0, 0.0, 0.1}});
   const auto prediction = predict_face(two_separate(), {left, right}, {}).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 4U);

@@ -96,7 +96,7 @@ TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
   options.contact.penetration_tolerance_mm = 0.01;
   const auto augmented = predict_face(slides, {path}, options).value();
   ASSERT_TRUE(augmented.converged());
-  EXPECT_LE(augmented.steps.back().stationary_contact.p99_depth_from_rest_mm, 0.01);
+  EXPECT_LE(augmented.steps.back().stationary_contact.p99_penetration_increase_mm, 0.01);
   EXPECT_GT(bottom_of(slides, augmented.steps.back()).lowest_mm, -0.05);
 }
 
@@ -139,7 +139,7 @@ TEST(StationaryContact, RejectsOpenBoneAndAToleranceBeyondItsField) {
   EXPECT_EQ(predict_face(model, {path}, bonded_options()).error().code, ErrorCode::kMeshInvalid);
   model = sliding_block();
   PredictionOptions wide = bonded_options();
-  wide.boundary.capture_mm = 3.5;
+  wide.boundary.contact_snap_mm = 3.5;
   EXPECT_EQ(predict_face(model, {path}, wide).error().code, ErrorCode::kInvalidArgument);
 }
 

@@ -144,7 +144,7 @@ Obstacle plate(const std::string& name, const std::string& faces,
 }
 
 geometry::Keyframe lifted(double at, double by_mm) {
-  return {.at = at, .translation_mm = {0.0, 0.0, by_mm}};
+  return {.path_fraction = at, .translation_mm = {0.0, 0.0, by_mm}};
 }
 
 mesh::VolumeMesh brick() {
@@ -166,7 +166,7 @@ TEST(RunDeck, TissueBetweenTwoBonesIsPressedEquallyByBoth) {
   EXPECT_LT((contacts[0].force_L_n + contacts[1].force_L_n).norm(), 1e-7);
   for (const contact::ContactStatistics& contact : contacts) {
     EXPECT_NEAR(contact.area_mm2, 400.0, 1e-6);
-    EXPECT_LE(contact.p99_depth_from_rest_mm, 0.005);
+    EXPECT_LE(contact.p99_penetration_increase_mm, 0.005);
   }
   const mesh::VolumeMesh rest = brick();
   for (const std::int32_t node : rest.node_sets.at("z1"))

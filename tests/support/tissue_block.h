@@ -90,7 +90,7 @@ inline geometry::RigidPath straight(const Vec3& by_mm, int steps) {
   geometry::RigidPath path;
   path.segment = "slab";
   path.steps = steps;
-  path.keyframes = {{.at = 1.0, .translation_mm = by_mm}};
+  path.keyframes = {{.path_fraction = 1.0, .translation_mm = by_mm}};
   return path;
 }
 

@@ -158,7 +158,7 @@ Tally tally(const MethodRun& run) {
   }
   for (const predict::PredictionStep& step : run.prediction.steps) {
     sum.max_final = std::max(sum.max_final, step.relative_residual);
-    sum.max_p99_mm = std::max(sum.max_p99_mm, step.contact().p99_depth_from_rest_mm);
+    sum.max_p99_mm = std::max(sum.max_p99_mm, step.contact().p99_penetration_increase_mm);
   }
   return sum;
 }
@@ -185,8 +185,8 @@ std::string table(std::span<const MethodRun> runs) {
         run.case_name, run.method.name, steps.size(), run.steps_requested, sum.failed_attempts,
         sum.iterations, sum.failed_iterations,
         steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
-        sum.max_final, last.nodes, sum.max_p99_mm, last.p99_depth_from_rest_mm,
-        last.max_depth_from_rest_mm, last.tunnelled_area_mm2,
+        sum.max_final, last.nodes, sum.max_p99_mm, last.p99_penetration_increase_mm,
+        last.max_penetration_increase_mm, last.tunnelled_area_mm2,
         1e6 * run.detection_seconds / double(std::max<std::size_t>(run.detection_points, 1)),
         run.detection_seconds, run.seconds);
   }

@@ -90,12 +90,13 @@ Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Pr
                                          progress));
   task.model.segments.push_back(
       {std::move(bone), std::make_shared<const field::DistanceField>(std::move(field))});
-  task.paths = {{.segment = task.name,
-                 .keyframes = {{.at = 0.4, .translation_mm = {0.0, 0.0, -kPressed_mm}},
-                               {.at = 1.0, .translation_mm = {kSlid_mm, 0.4, -kPressed_mm}}},
-                 .steps = 20}};
+  task.paths = {
+      {.segment = task.name,
+       .keyframes = {{.path_fraction = 0.4, .translation_mm = {0.0, 0.0, -kPressed_mm}},
+                     {.path_fraction = 1.0, .translation_mm = {kSlid_mm, 0.4, -kPressed_mm}}},
+       .steps = 20}};
   task.options.tissue.element_size_mm = kElement_mm;
-  task.options.boundary.capture_mm = 0.05;
+  task.options.boundary.contact_snap_mm = 0.05;
   return task;
 }
 

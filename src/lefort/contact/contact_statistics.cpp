@@ -41,9 +41,12 @@ ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b
           .area_mm2 = area_mm2,
           .max_penetration_mm = std::max(a.max_penetration_mm, b.max_penetration_mm),
           .mean_penetration_mm = mean(a.mean_penetration_mm, b.mean_penetration_mm),
-          .max_depth_from_rest_mm = std::max(a.max_depth_from_rest_mm, b.max_depth_from_rest_mm),
-          .mean_depth_from_rest_mm = mean(a.mean_depth_from_rest_mm, b.mean_depth_from_rest_mm),
-          .p99_depth_from_rest_mm = std::max(a.p99_depth_from_rest_mm, b.p99_depth_from_rest_mm),
+          .max_penetration_increase_mm =
+              std::max(a.max_penetration_increase_mm, b.max_penetration_increase_mm),
+          .mean_penetration_increase_mm =
+              mean(a.mean_penetration_increase_mm, b.mean_penetration_increase_mm),
+          .p99_penetration_increase_mm =
+              std::max(a.p99_penetration_increase_mm, b.p99_penetration_increase_mm),
           .force_L_n = a.force_L_n + b.force_L_n,
           .normal_force_n = a.normal_force_n + b.normal_force_n,
           .tunnelled_area_mm2 = a.tunnelled_area_mm2 + b.tunnelled_area_mm2};
@@ -58,21 +61,21 @@ void ContactStatisticsSum::add(const PointContact& point, std::span<const std::i
   sum_.area_mm2 += point.area_mm2;
   sum_.max_penetration_mm = std::max(sum_.max_penetration_mm, penetration_mm);
   sum_.mean_penetration_mm += point.area_mm2 * penetration_mm;
-  sum_.max_depth_from_rest_mm = std::max(sum_.max_depth_from_rest_mm, point.depth_mm);
-  sum_.mean_depth_from_rest_mm += point.area_mm2 * point.depth_mm;
+  sum_.max_penetration_increase_mm = std::max(sum_.max_penetration_increase_mm, point.depth_mm);
+  sum_.mean_penetration_increase_mm += point.area_mm2 * point.depth_mm;
   depth_and_area_.emplace_back(point.depth_mm, point.area_mm2);
   sum_.force_L_n += force_n;
   sum_.normal_force_n += force_n.norm();
 }
 
 ContactStatistics ContactStatisticsSum::finish(double tunnelled_area_mm2) && {
-  sum_.p99_depth_from_rest_mm =
+  sum_.p99_penetration_increase_mm =
       std::max(depth_at_fraction(std::move(depth_and_area_), kBeyondP99), 0.0);
   sum_.nodes = count_distinct(std::move(nodes_));
   sum_.tunnelled_area_mm2 = tunnelled_area_mm2;
   if (sum_.area_mm2 > 0.0) {
     sum_.mean_penetration_mm /= sum_.area_mm2;
-    sum_.mean_depth_from_rest_mm /= sum_.area_mm2;
+    sum_.mean_penetration_increase_mm /= sum_.area_mm2;
   }
   return sum_;
 }

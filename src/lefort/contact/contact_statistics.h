@@ -19,15 +19,15 @@ namespace lefort::contact {
 
 /// Contact of one bone, or of several, at one state.
 struct ContactStatistics {
-  Index points = 0;                      ///< Quadrature points in contact.
-  Index nodes = 0;                       ///< Nodes of faces with such a point.
-  double area_mm2 = 0.0;                 ///< Of the reference surface in contact.
-  double max_penetration_mm = 0.0;       ///< Over that area.
-  double mean_penetration_mm = 0.0;      ///< Over that area.
-  double max_depth_from_rest_mm = 0.0;   ///< Penetration increase, over that area.
-  double mean_depth_from_rest_mm = 0.0;  ///< Penetration increase, over that area.
+  Index points = 0;                           ///< Quadrature points in contact.
+  Index nodes = 0;                            ///< Nodes of faces with such a point.
+  double area_mm2 = 0.0;                      ///< Of the reference surface in contact.
+  double max_penetration_mm = 0.0;            ///< Over that area.
+  double mean_penetration_mm = 0.0;           ///< Over that area.
+  double max_penetration_increase_mm = 0.0;   ///< Penetration increase, over that area.
+  double mean_penetration_increase_mm = 0.0;  ///< Penetration increase, over that area.
   /// Penetration increase that 99 % of that area does not exceed; >= 0.
-  double p99_depth_from_rest_mm = 0.0;
+  double p99_penetration_increase_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
   /// Cumulative reference area of points that tunneled through thin bone without a tangent plane

@@ -31,8 +31,9 @@ struct RuleGaps {
 };
 
 /// \returns g_0 of a point.
-double rest_gap_mm(const Gap& at_rest, double capture_mm) {
-  const bool touches = at_rest.zone == field::Zone::kBand && std::abs(at_rest.gap_mm) <= capture_mm;
+double rest_gap_mm(const Gap& at_rest, double contact_snap_mm) {
+  const bool touches =
+      at_rest.zone == field::Zone::kBand && std::abs(at_rest.gap_mm) <= contact_snap_mm;
   return touches ? at_rest.gap_mm : std::min(at_rest.gap_mm, 0.0);
 }
 
@@ -69,13 +70,14 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
       history_(surface_.point_count(), options.penetration_tolerance_mm.has_value()),
       clearance_(surface_.patches().size()) {
   LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
-  LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
+  LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.contact_snap_mm >= 0.0);
   LEFORT_CHECK(options.penetration_tolerance_mm.value_or(1.0) > 0.0);
-  LEFORT_CHECK(options.capture_mm < obstacle_.distance_query_B->max_distance_mm());
+  LEFORT_CHECK(options.contact_snap_mm < obstacle_.distance_query_B->max_distance_mm());
   for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
     for_each_point(patch, nodes_L, [&](const PointGap& at) {
       const bool is_on_other = is_closer_to_any(other_obstacles, at.p_L, at.measured.gap_mm);
-      rest_gaps_mm_[at.number] = rest_gap_mm(at.measured, is_on_other ? 0.0 : options.capture_mm);
+      rest_gaps_mm_[at.number] =
+          rest_gap_mm(at.measured, is_on_other ? 0.0 : options.contact_snap_mm);
       history_.set_reference(at.number, contact_reference(obstacle_, at.p_L, at.measured));
     });
   note_clearances(nodes_L);

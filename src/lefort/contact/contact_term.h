@@ -41,7 +41,7 @@ namespace lefort::contact {
 ///
 /// **Rest gap.** Depth is measured from the reference configuration: the mesh matches the surface
 /// of the bone only within the chord height of its faces, and a patient at rest is in equilibrium.
-/// g_0n is the gap of the point in the reference configuration if that is at most `capture_mm` in
+/// g_0n is the gap of the point in the reference configuration if that is at most `contact_snap_mm` in
 /// magnitude, or is negative; else it is zero.
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
@@ -69,7 +69,7 @@ class ContactTerm final : public fem::ForceTerm {
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
     /// Contact snap distance: a point whose gap in the reference configuration is at most this in
     /// magnitude touches the bone there; >= 0, less than the range of the distance query.
-    double capture_mm = 0.0;
+    double contact_snap_mm = 0.0;
     Integration integration = Integration::kQuadrature;
     /// Largest P99 of the penetration increase, > 0 [mm], reached by multipliers
     /// (solve_augmented_lagrangian.h). Empty: penalty only.

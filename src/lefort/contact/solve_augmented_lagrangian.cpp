@@ -23,7 +23,7 @@ double excess_depth(std::span<const ContactTerm> contacts, std::span<const Vec3>
   for (const ContactTerm& contact : contacts)
     if (const auto tolerance_mm = contact.penetration_tolerance_mm())
       max_excess =
-          std::max(max_excess, contact.summarize(x_L).p99_depth_from_rest_mm / *tolerance_mm);
+          std::max(max_excess, contact.summarize(x_L).p99_penetration_increase_mm / *tolerance_mm);
   return max_excess;
 }
 

@@ -20,8 +20,8 @@ std::string complaint_about(const Keyframe& key) {
   if (!key.translation_mm.allFinite()) return "its translation is not a finite vector";
   if (!key.rotation_rad.allFinite()) return "its rotation is not a finite vector";
   if (!key.center_L.allFinite()) return "its center is not a finite point";
-  if (!(key.at > 0.0 && key.at <= 1.0))
-    return fmt::format("`at` is {}, must be above 0 and at most 1", key.at);
+  if (!(key.path_fraction > 0.0 && key.path_fraction <= 1.0))
+    return fmt::format("`path_fraction` is {}, must be above 0 and at most 1", key.path_fraction);
   if (key.rotation_rad.norm() >= std::numbers::pi)
     return fmt::format("its rotation is {:.4g} rad, must be below half a turn",
                        key.rotation_rad.norm());
@@ -44,9 +44,10 @@ Result<void> check_path(const RigidPath& path) {
     const Keyframe& key = path.keyframes[k];
     if (const std::string complaint = complaint_about(key); !complaint.empty())
       return bad(fmt::format("keyframe {}: {}", k, complaint));
-    if (key.at <= before)
-      return bad(fmt::format("keyframe {}: `at` is {}, must be above {}", k, key.at, before));
-    before = key.at;
+    if (key.path_fraction <= before)
+      return bad(fmt::format("keyframe {}: `path_fraction` is {}, must be above {}", k,
+                             key.path_fraction, before));
+    before = key.path_fraction;
     const Mat3 R_key = pose_of(key).linear();
     const double angle_rad = rotation_vector(R_key * R_before.transpose()).norm();
     if (angle_rad > kMaxAngleBetweenKeyframes_rad)
@@ -66,15 +67,15 @@ RigidTransform pose_at(const RigidPath& path, double path_fraction) {
   double at_before = 0.0;
   for (const Keyframe& key : path.keyframes) {
     const RigidTransform X_key = pose_of(key);
-    if (path_fraction == key.at) return X_key;
-    if (path_fraction < key.at) {
-      const double part = (path_fraction - at_before) / (key.at - at_before);
+    if (path_fraction == key.path_fraction) return X_key;
+    if (path_fraction < key.path_fraction) {
+      const double part = (path_fraction - at_before) / (key.path_fraction - at_before);
       return path.interpolation == Interpolation::kScrew
                  ? interpolate_screw(X_before, X_key, part)
                  : interpolate_pose(X_before, X_key, part, key.center_L);
     }
     X_before = X_key;
-    at_before = key.at;
+    at_before = key.path_fraction;
   }
   return X_before;
 }

@@ -13,7 +13,7 @@ namespace lefort::geometry {
 
 /// Pose at one path fraction: rotation about `center_L`, then translation.
 struct Keyframe {
-  double at = 1.0;                     ///< Path fraction, 0 to 1.
+  double path_fraction = 1.0;          ///< Path fraction, 0 to 1.
   Vec3 translation_mm = Vec3::Zero();  ///< In L.
   Vec3 rotation_rad = Vec3::Zero();    ///< Rotation vector (axis times angle) in L.
   Vec3 center_L = Vec3::Zero();        ///< Fixed point of the rotation [mm].
@@ -29,7 +29,7 @@ enum class Interpolation {
 /// The path of one segment, from its scanned pose at path fraction 0 through its keyframes.
 struct RigidPath {
   std::string segment;
-  std::vector<Keyframe> keyframes;  ///< Ascending `at`; the last is at 1.
+  std::vector<Keyframe> keyframes;  ///< Ascending `path_fraction`; the last is at 1.
   int steps = 12;                   ///< Equilibria that are computed along the path.
   Interpolation interpolation = Interpolation::kStraight;
 };
@@ -37,7 +37,7 @@ struct RigidPath {
 /// Checks that a path is valid.
 ///
 /// \param path  from the plan.
-/// \returns nothing, or kPlanInvalid naming the segment and the invalid value: no keyframe, `at`
+/// \returns nothing, or kPlanInvalid naming the segment and the invalid value: no keyframe, `path_fraction`
 ///   not ascending within (0, 1] or not ending at 1, a number that is not finite, a rotation by pi
 ///   or more, in total or from the previous keyframe (its direction would be ambiguous), fewer than
 ///   one step.

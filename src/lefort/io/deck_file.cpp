@@ -183,7 +183,7 @@ Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& 
     if (object.contains("stiffness_kpa_per_mm"))
       obstacle.stiffness_mpa_per_mm = mpa_from_kpa(object["stiffness_kpa_per_mm"].get<double>());
     read(object, "stiffness_factor", obstacle.stiffness_factor);
-    read(object, "contact_snap_mm", obstacle.capture_mm);
+    read(object, "contact_snap_mm", obstacle.contact_snap_mm);
     internal::read_contact(object, obstacle);
     ObstacleFile source;
     source.file = folder / object["file"].get<std::string>();

@@ -98,7 +98,7 @@ void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
   if (boundary.value("scan_boundary", "free") == "fixed")
     options.scan_boundary = predict::ScanBoundary::kFixed;
   read(boundary, "elevation_margin_mm", options.elevation_margin_mm);
-  read(boundary, "contact_snap_mm", options.capture_mm);
+  read(boundary, "contact_snap_mm", options.contact_snap_mm);
 }
 
 Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {

@@ -15,7 +15,7 @@ namespace lefort::linear {
 
 struct GmresOutcome {
   VectorX x;
-  double left = 0.0;  ///< Relative residual |b - A x| / |b|.
+  double relative_residual = 0.0;  ///< |b - A x| / |b|.
 };
 
 /// Solves A x = b from zero with flexible GMRES without restart (\cite saad2003, algorithm 9.6).
@@ -62,13 +62,13 @@ template <class Multiply, class Precondition>
     R(j, j) = pivot;
     g[j + 1] = -rotations.back().second * g[j];
     g[j] *= rotations.back().first;
-    const double left = std::abs(g[j + 1]) / size;
+    const double relative_residual = std::abs(g[j + 1]) / size;
     const int n = j + 1;
-    if (left <= tolerance || n == max_iterations) {
+    if (relative_residual <= tolerance || n == max_iterations) {
       const VectorX y = R.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(g.head(n));
       VectorX x = VectorX::Zero(b.size());
       for (int i = 0; i < n; ++i) x += y[i] * Z[std::size_t(i)];
-      return GmresOutcome{std::move(x), left};
+      return GmresOutcome{std::move(x), relative_residual};
     }
     V.push_back(w / next);
   }

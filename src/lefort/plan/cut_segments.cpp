@@ -32,7 +32,7 @@ Result<void> check_segments(std::span<const PlannedSegment> planned) {
     const std::string& name = planned[k].osteotomy.segment;
     if (index_of(planned, k, name) != k)
       return fail(ErrorCode::kPlanInvalid, fmt::format("two segments are called '{}'", name));
-    const std::string& from = planned[k].from;
+    const std::string& from = planned[k].cut_from;
     if (!from.empty() && index_of(planned, k, from) == k)
       return fail(ErrorCode::kPlanInvalid,
                   fmt::format("segment '{}' is cut from '{}', which is not an earlier segment",
@@ -48,13 +48,13 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
   all.remainder_L = skull_L;
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const PlannedSegment& one = planned[k];
-    const std::size_t from = index_of(planned, k, one.from);
-    geometry::TriangleMesh& source = one.from.empty() ? all.remainder_L : all.segments_L[from];
+    const std::size_t from = index_of(planned, k, one.cut_from);
+    geometry::TriangleMesh& source = one.cut_from.empty() ? all.remainder_L : all.segments_L[from];
     LEFORT_TRY(OsteotomyResult bones, perform_osteotomy(source, one.osteotomy, one.cut, progress));
     if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
     source = std::move(bones.remainder_L);
-    if (!one.from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;
+    if (!one.cut_from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;
     all.volumes_mm3.push_back(bones.segment_volume_mm3);
     all.segments_L.push_back(std::move(bones.segment_L));
     bones.remainder_L = {};

@@ -19,7 +19,7 @@ namespace lefort::plan {
 struct PlannedSegment {
   Osteotomy osteotomy;
   OsteotomyOptions cut;
-  std::string from{};  ///< The earlier segment it is cut from; empty: the remainder.
+  std::string cut_from{};  ///< The earlier segment it is cut from; empty: the remainder.
   geometry::RigidPath path{};
   bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap it leaves.
 };
@@ -40,19 +40,19 @@ struct CutSegments {
 };
 
 /// Performs the osteotomies in the order of the plan. Each one cuts the remainder of the earlier
-/// ones, or the earlier segment that `from` names.
+/// ones, or the earlier segment that `cut_from` names.
 ///
 /// \param skull_L   closed; several bodies and cavities are allowed.
 /// \param planned   the segments.
 /// \param progress  of each cut; may request a stop.
 /// \returns the parts; or the errors of perform_osteotomy(); or kPlanInvalid if two segments have
-///   the same name, or `from` does not name an earlier segment.
+///   the same name, or `cut_from` does not name an earlier segment.
 /// \note Volumes add up within the tolerance of perform_osteotomy().
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                std::span<const PlannedSegment> planned,
                                                Progress& progress = Progress::none());
 
-/// Checks the names and `from` of all segments.
+/// Checks the names and `cut_from` of all segments.
 ///
 /// \param planned  the segments, in the order of the plan.
 /// \returns nothing, or kPlanInvalid as cut_segments() does.

@@ -80,11 +80,11 @@ Result<std::vector<geometry::Keyframe>> distraction_keyframes(
     days += length;
     translation_mm += mm_per_day * double(length) * towards_L.normalized();
     geometry::Keyframe key;
-    key.at = double(days);
+    key.path_fraction = double(days);
     key.translation_mm = translation_mm;
     keyframes.push_back(key);
   }
-  for (geometry::Keyframe& key : keyframes) key.at /= double(days);
+  for (geometry::Keyframe& key : keyframes) key.path_fraction /= double(days);
   return keyframes;
 }
 

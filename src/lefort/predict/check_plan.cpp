@@ -55,7 +55,7 @@ std::vector<double> fractions_of(std::span<const plan::PlannedSegment> planned) 
   std::vector<double> fractions;
   for (int step = 1; step <= steps; ++step) fractions.push_back(double(step) / steps);
   for (const plan::PlannedSegment& one : planned)
-    for (const geometry::Keyframe& key : one.path.keyframes) fractions.push_back(key.at);
+    for (const geometry::Keyframe& key : one.path.keyframes) fractions.push_back(key.path_fraction);
   std::sort(fractions.begin(), fractions.end());
   fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
   return fractions;

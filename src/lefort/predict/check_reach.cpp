@@ -14,17 +14,18 @@ namespace {
 /// Of one segment, see check_reach().
 Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<LoadLevel>& levels,
                             const MovedSegment& segment,
-                            const contact::DistanceQuery& distance_query_B, double capture_mm) {
+                            const contact::DistanceQuery& distance_query_B,
+                            double contact_snap_mm) {
   const double band_mm = distance_query_B.max_distance_mm();
   if (!distance_query_B.is_closed())
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("segment {} is an open surface; contact needs a closed one", path.segment));
-  if (!(capture_mm < band_mm))
+  if (!(contact_snap_mm < band_mm))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("boundary.contact_snap_mm is {:g} mm; it must be less than the maximum "
                             "distance of the segment's distance query, {:.2f} mm",
-                            capture_mm, band_mm));
+                            contact_snap_mm, band_mm));
   double longest_mm = 0.0, mm_per_fraction = 0.0, from = 0.0;
   for (const LoadLevel& level : levels) {
     const double moved_mm =
@@ -68,8 +69,8 @@ Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
   if (boundary.segment_interface != SegmentInterface::kSliding) return {};
   const std::vector<LoadLevel> levels = load_levels(paths, 1);
   for (std::size_t k = 0; k < paths.size(); ++k)
-    LEFORT_TRY_VOID(
-        check_reach_of(paths[k], levels, segments[k], *distance_queries_B[k], boundary.capture_mm));
+    LEFORT_TRY_VOID(check_reach_of(paths[k], levels, segments[k], *distance_queries_B[k],
+                                   boundary.contact_snap_mm));
   return {};
 }
 
@@ -83,16 +84,16 @@ Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
 }
 
 Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
-                                   double capture_mm) {
+                                   double contact_snap_mm) {
   if (!distance_query_L.is_closed())
     return fail(ErrorCode::kMeshInvalid,
                 "the stationary bone is an open surface; tissue that slides on it needs a closed "
                 "one");
-  if (capture_mm < distance_query_L.max_distance_mm()) return {};
+  if (contact_snap_mm < distance_query_L.max_distance_mm()) return {};
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("boundary.contact_snap_mm is {:g} mm; it must be less than the maximum "
                           "distance of the stationary bone's distance query, {:.2f} mm",
-                          capture_mm, distance_query_L.max_distance_mm()));
+                          contact_snap_mm, distance_query_L.max_distance_mm()));
 }
 
 }  // namespace lefort::predict

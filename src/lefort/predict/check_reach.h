@@ -38,7 +38,7 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// \param boundary            its interface and contact tolerance.
 /// \returns nothing, or
 ///   - kMeshInvalid      a surface is open: it has no inside;
-///   - kInvalidArgument  boundary.capture_mm is not less than a query's maximum distance;
+///   - kInvalidArgument  boundary.contact_snap_mm is not less than a query's maximum distance;
 ///   - kStepBeyondBand   a segment moves further than the maximum distance of its query between two
 ///     neighbors among the steps and keyframes of all paths.
 [[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
@@ -55,9 +55,9 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// Checks that a distance query of stationary bone suffices for tissue that slides on it.
 ///
 /// \param distance_query_L  of the stationary bone.
-/// \param capture_mm        boundary.capture_mm.
+/// \param contact_snap_mm        boundary.contact_snap_mm.
 /// \returns nothing, or kMeshInvalid and kInvalidArgument as check_reach().
 [[nodiscard]] Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
-                                                 double capture_mm);
+                                                 double contact_snap_mm);
 
 }  // namespace lefort::predict

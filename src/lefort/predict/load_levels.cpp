@@ -14,9 +14,9 @@ double max_speed_mm(const std::vector<geometry::RigidPath>& paths,
     double from = 0.0;
     for (const geometry::Keyframe& keyframe : paths[k].keyframes) {
       const double moved_mm = geometry::max_displacement_mm(
-          paths[k], segments[k].surface_B.vertices, from, keyframe.at);
-      fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
-      from = keyframe.at;
+          paths[k], segments[k].surface_B.vertices, from, keyframe.path_fraction);
+      fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.path_fraction - from));
+      from = keyframe.path_fraction;
     }
   }
   return fastest_mm;
@@ -32,9 +32,9 @@ std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths
   for (const geometry::RigidPath& path : paths)
     for (const geometry::Keyframe& keyframe : path.keyframes) {
       const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
-        return std::abs(level.path_fraction - keyframe.at) <= kSame;
+        return std::abs(level.path_fraction - keyframe.path_fraction) <= kSame;
       });
-      if (!known) levels.push_back({keyframe.at, false});
+      if (!known) levels.push_back({keyframe.path_fraction, false});
     }
   std::sort(levels.begin(), levels.end(), [](const LoadLevel& a, const LoadLevel& b) {
     return a.path_fraction < b.path_fraction;

@@ -84,13 +84,13 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
                                               const geometry::TriangleMesh& skin_L,
                                               const geometry::TriangleMesh& segment_L,
                                               const geometry::TriangleMesh& remainder_L,
-                                              const TissueOptions& options, double capture_mm,
+                                              const TissueOptions& options, double contact_snap_mm,
                                               Progress& progress) {
   LEFORT_CHECK(options.skin);
   LEFORT_TRY(const mesh::VolumeMesh tets,
              fill(domain, segment_L, options, kJacobianBeforeSkin, progress));
   const std::vector<mesh::Face> faces =
-      skin_faces(tets, domain, skin_L, segment_L, remainder_L, capture_mm);
+      skin_faces(tets, domain, skin_L, segment_L, remainder_L, contact_snap_mm);
   if (faces.empty())
     return fail(ErrorCode::kAnatomyMissing, "no skin bounds the tissue around the segment");
   std::vector<mesh::HalfSpace> cut_planes = domain.cuts_L;

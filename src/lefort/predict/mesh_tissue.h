@@ -57,7 +57,7 @@ inline constexpr double kMinJacobian = 0.05;
 /// \param segment_L    as in make_tissue_domain().
 /// \param remainder_L  other bone, see skin_faces().
 /// \param options      element sizes, margin and skin.
-/// \param capture_mm   see skin_faces().
+/// \param contact_snap_mm   see skin_faces().
 /// \param progress     may stop the meshing.
 /// \returns a mesh without sets and without elements below kMinJacobian; or as mesh::generate_tets
 ///   and mesh::add_boundary_layer, or
@@ -67,6 +67,6 @@ inline constexpr double kMinJacobian = 0.05;
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue_and_skin(
     const TissueDomain& domain, const geometry::TriangleMesh& skin_L,
     const geometry::TriangleMesh& segment_L, const geometry::TriangleMesh& remainder_L,
-    const TissueOptions& options, double capture_mm, Progress& progress = Progress::none());
+    const TissueOptions& options, double contact_snap_mm, Progress& progress = Progress::none());
 
 }  // namespace lefort::predict

@@ -207,7 +207,7 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
     LEFORT_CHECK(model_.stationary_bone);
     LEFORT_TRY(auto distance_query_L,
                segment_distance_query(*model_.stationary_bone, options_.contact.detection));
-    LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.capture_mm));
+    LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.contact_snap_mm));
     bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
   }
   segment_contact_count_ = is_sliding ? paths_.size() : 0;
@@ -229,7 +229,7 @@ void FacePath::add_contact(const std::vector<contact::RigidObstacle>& bones, std
                        bones[bone],
                        {.name = name,
                         .stiffness_mpa_per_mm = prediction_.contact_stiffness_mpa_per_mm,
-                        .capture_mm = options_.boundary.capture_mm,
+                        .contact_snap_mm = options_.boundary.contact_snap_mm,
                         .integration = options_.contact.integration,
                         .penetration_tolerance_mm = options_.contact.penetration_tolerance_mm},
                        other_obstacles});
@@ -239,11 +239,11 @@ void FacePath::add_contact(const std::vector<contact::RigidObstacle>& bones, std
 void FacePath::note_rest_penetration(std::size_t segment) {
   const double inside_mm = contacts_[segment].rest_penetration_mm();
   prediction_.rest_penetration_mm = std::max(prediction_.rest_penetration_mm, inside_mm);
-  if (inside_mm > options_.boundary.capture_mm)
+  if (inside_mm > options_.boundary.contact_snap_mm)
     progress_.note(fmt::format(
         "warning: the tissue mesh penetrates segment {} by up to {:.2f} mm before it moves, "
         "more than boundary.contact_snap_mm = {:g} mm",
-        paths_[segment].segment, inside_mm, options_.boundary.capture_mm));
+        paths_[segment].segment, inside_mm, options_.boundary.contact_snap_mm));
 }
 
 Result<void> FacePath::make_assembler() {

@@ -66,7 +66,7 @@ struct BoundaryOptions {
   /// Tissue on stationary bone within this distance of the segment is elevated.
   double elevation_margin_mm = 8.0;
   /// Contact snap distance: boundary within this distance of a bone lies on it.
-  double capture_mm = 0.8;
+  double contact_snap_mm = 0.8;
 };
 
 struct ContactOptions {

@@ -12,11 +12,12 @@ namespace lefort::predict {
 std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue, const TissueDomain& domain,
                                    const geometry::TriangleMesh& skin_L,
                                    const geometry::TriangleMesh& segment_L,
-                                   const geometry::TriangleMesh& remainder_L, double capture_mm) {
+                                   const geometry::TriangleMesh& remainder_L,
+                                   double contact_snap_mm) {
   enum class Location : std::uint8_t { kElsewhere, kCutPlane, kSkin };
   const geometry::Bvh skin(skin_L), segment(segment_L), remainder(remainder_L);
   const auto is_closer_to_skin = [&](const Vec3& p_L) {
-    const auto nearest = skin.closest_point(p_L, capture_mm);
+    const auto nearest = skin.closest_point(p_L, contact_snap_mm);
     return nearest && !segment.closest_point(p_L, nearest->distance_mm) &&
            !remainder.closest_point(p_L, nearest->distance_mm);
   };

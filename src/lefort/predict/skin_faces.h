@@ -22,12 +22,12 @@ inline constexpr double kPlaneTolerance_mm = 0.05;
 /// \param skin_L       skin surface.
 /// \param segment_L    bone that moves.
 /// \param remainder_L  other bone.
-/// \param capture_mm   nodes within this distance of the skin lie on it.
+/// \param contact_snap_mm   nodes within this distance of the skin lie on it.
 [[nodiscard]] std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue,
                                                  const TissueDomain& domain,
                                                  const geometry::TriangleMesh& skin_L,
                                                  const geometry::TriangleMesh& segment_L,
                                                  const geometry::TriangleMesh& remainder_L,
-                                                 double capture_mm);
+                                                 double contact_snap_mm);
 
 }  // namespace lefort::predict

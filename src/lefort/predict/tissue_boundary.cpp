@@ -155,10 +155,10 @@ NodeList fixed_by_rule(const mesh::VolumeMesh& tissue, const geometry::Bvh& segm
 std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options) {
   return {{sets::kCut, kPlaneTolerance_mm},
           {sets::kScanBoundary, kPlaneTolerance_mm},
-          {sets::kMobilizedSegment, options.capture_mm},
-          {sets::kStationaryBone, options.capture_mm},
+          {sets::kMobilizedSegment, options.contact_snap_mm},
+          {sets::kStationaryBone, options.contact_snap_mm},
           {sets::kBrain, kMaxBrainDistance_mm},
-          {sets::kSkin, options.capture_mm},
+          {sets::kSkin, options.contact_snap_mm},
           {sets::kFree, std::nullopt}};
 }
 

@@ -14,13 +14,13 @@ Result<void> check_distance_query(const Obstacle& obstacle,
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("obstacle {} is an open surface; contact needs a closed one", obstacle.name));
-  if (!(obstacle.capture_mm < distance_query.max_distance_mm()))
+  if (!(obstacle.contact_snap_mm < distance_query.max_distance_mm()))
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format(
             "contact_snap_mm of obstacle {} is {:g}; it must be less than the maximum distance of "
             "its distance query, {:.2f} mm",
-            obstacle.name, obstacle.capture_mm, distance_query.max_distance_mm()));
+            obstacle.name, obstacle.contact_snap_mm, distance_query.max_distance_mm()));
   return {};
 }
 
@@ -35,7 +35,7 @@ contact::ContactTerm make_contact(
           {distance_query, RigidTransform::Identity()},
           {.name = "obstacle " + obstacle.name,
            .stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm[i],
-           .capture_mm = obstacle.capture_mm,
+           .contact_snap_mm = obstacle.contact_snap_mm,
            .integration = obstacle.integration,
            .penetration_tolerance_mm = obstacle.penetration_tolerance_mm}};
 }

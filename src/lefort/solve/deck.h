@@ -104,7 +104,8 @@ struct Obstacle {
   /// divided by the mean edge length of the faces.
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
-  double capture_mm = 0.0;  ///< Contact tolerance: faces within this distance at rest touch it.
+  double contact_snap_mm =
+      0.0;  ///< Contact tolerance: faces within this distance at rest touch it.
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm.

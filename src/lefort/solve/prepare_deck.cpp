@@ -190,7 +190,7 @@ void find_levels(PreparedDeck& prepared) {
     for (const CurvePoint& point : curve.points) levels.insert(point.time);
   };
   const auto add_path = [&](const geometry::RigidPath& path) {
-    for (const geometry::Keyframe& key : path.keyframes) levels.insert(key.at);
+    for (const geometry::Keyframe& key : path.keyframes) levels.insert(key.path_fraction);
   };
   for (const PrescribedSet& set : deck.displacements) add_curve(set.curve);
   for (const Traction& load : deck.tractions) add_curve(load.curve);

@@ -89,7 +89,7 @@ std::optional<VectorX> DirectionFinder::solve_unsymmetric(const Equations& equat
       linear::solve_by_gmres(multiply, precondition, equations.b,
                              kGmresToleranceFactor * equations.tolerance, kMaxGmresIterations);
   enter(SolvePhase::kAssembly, options_);
-  if (!found || found->left > kMaxGmresResidual) return std::nullopt;
+  if (!found || found->relative_residual > kMaxGmresResidual) return std::nullopt;
   return std::move(found->x);
 }
 

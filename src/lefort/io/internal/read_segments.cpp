@@ -240,7 +240,7 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
     return bad(key, "must have one of about and about_mm");
   if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
   geometry::Keyframe keyframe = read_keyframes(Json::array({json}), "path_fraction").front();
-  const double at = keyframe.at;
+  const double at = keyframe.path_fraction;
   std::optional<Vec3> center_L;
   if (json.contains("about_mm")) center_L = keyframe.center_L;
   if (json.contains("about")) {
@@ -253,11 +253,11 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
   }
   if (center_L && is_aimed) {  // The same pose, by another way.
     const geometry::RigidPath one{.segment = {}, .keyframes = {keyframe}};
-    keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.at), *center_L);
+    keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.path_fraction), *center_L);
   } else if (center_L && !is_file) {
     keyframe.center_L = *center_L;
   }
-  keyframe.at = at;
+  keyframe.path_fraction = at;
   return keyframe;
 }
 
@@ -327,7 +327,7 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
     read(json["osteotomy"], "min_piece_ml", one.cut.min_piece_ml);
     read(json["osteotomy"], "min_piece_fraction", one.cut.min_piece_fraction);
-    read(json, "cut_from", one.from);
+    read(json, "cut_from", one.cut_from);
     const Context of_segment{landmarks, folder, middle_of(one.osteotomy.anchor_points_L)};
     LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", of_segment));
     one.is_distracted = json["path"].contains("distraction");

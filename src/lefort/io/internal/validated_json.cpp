@@ -168,7 +168,7 @@ std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes, const char
   for (const Json& json : keyframes) {
     geometry::Keyframe frame;
     Vec3 rotation_deg = Vec3::Zero();
-    read(json, at_key, frame.at);
+    read(json, at_key, frame.path_fraction);
     read(json, "translation_mm", frame.translation_mm);
     read(json, "rotation_deg", rotation_deg);
     read(json, "about_mm", frame.center_L);

@@ -262,11 +262,12 @@ std::string restart_key(const PreparedCase& prepared) {
   }
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
-  const auto& [segment_interface, scan_boundary, elevation_margin_mm, capture_mm] = plan.boundary;
+  const auto& [segment_interface, scan_boundary, elevation_margin_mm, contact_snap_mm] =
+      plan.boundary;
   hash.add(double(segment_interface))
       .add(double(scan_boundary))
       .add(elevation_margin_mm)
-      .add(capture_mm);
+      .add(contact_snap_mm);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
   hash.add(predict::stiffness_factor(plan.contact))
       .add(double(detection))

@@ -55,7 +55,7 @@ std::string field_key(const geometry::TriangleMesh& segment_B,
 std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                        const anatomy::LevelOptions& levels, const geometry::TriangleMesh& segment_L,
                        const geometry::TriangleMesh& remainder_L,
-                       const predict::TissueOptions& options, double capture_mm) {
+                       const predict::TissueOptions& options, double contact_snap_mm) {
   const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
   // The material does not change the mesh.
@@ -86,7 +86,7 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
   }
   if (skin) {
     const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
-    hash.add(kSkinRevision).add(remainder_L).add(capture_mm).add(thickness_mm).add(layers);
+    hash.add(kSkinRevision).add(remainder_L).add(contact_snap_mm).add(thickness_mm).add(layers);
   }
   return hash.hex();
 }

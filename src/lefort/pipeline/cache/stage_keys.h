@@ -22,11 +22,11 @@ namespace lefort::pipeline {
 
 /// \param segment_L    all segments as one mesh: their position determines the meshed region
 ///   and the element size.
-/// \param remainder_L, capture_mm  used only with options.skin.
+/// \param remainder_L, contact_snap_mm  used only with options.skin.
 [[nodiscard]] std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                                      const anatomy::LevelOptions& levels,
                                      const geometry::TriangleMesh& segment_L,
                                      const geometry::TriangleMesh& remainder_L,
-                                     const predict::TissueOptions& options, double capture_mm);
+                                     const predict::TissueOptions& options, double contact_snap_mm);
 
 }  // namespace lefort::pipeline

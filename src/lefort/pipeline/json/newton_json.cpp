@@ -42,9 +42,9 @@ Json contact_json(const contact::ContactStatistics& contact) {
           {"area_mm2", contact.area_mm2},
           {"max_penetration_mm", contact.max_penetration_mm},
           {"mean_penetration_mm", contact.mean_penetration_mm},
-          {"max_penetration_increase_mm", contact.max_depth_from_rest_mm},
-          {"mean_penetration_increase_mm", contact.mean_depth_from_rest_mm},
-          {"p99_penetration_increase_mm", contact.p99_depth_from_rest_mm},
+          {"max_penetration_increase_mm", contact.max_penetration_increase_mm},
+          {"mean_penetration_increase_mm", contact.mean_penetration_increase_mm},
+          {"p99_penetration_increase_mm", contact.p99_penetration_increase_mm},
           {"tunnelled_area_mm2", contact.tunnelled_area_mm2},
           {"force_n", as_json(contact.force_L_n)},
           {"normal_force_n", contact.normal_force_n}};

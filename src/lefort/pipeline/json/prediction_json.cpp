@@ -105,7 +105,7 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
           {"scan_boundary",
            plan.boundary.scan_boundary == predict::ScanBoundary::kFree ? "free" : "fixed"},
           {"elevation_margin_mm", plan.boundary.elevation_margin_mm},
-          {"contact_snap_mm", plan.boundary.capture_mm},
+          {"contact_snap_mm", plan.boundary.contact_snap_mm},
           {"stiffness_factor", predict::stiffness_factor(plan.contact)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
           {"detection", contact::name_of(plan.contact.detection)},

@@ -46,8 +46,8 @@ class StepClock {
         "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
         "{} nodes in contact, penetration increase P99 {:.3f} mm, max {:.3f} mm, {:.1f} s",
         100.0 * step.path_fraction, step.newton_iterations(), step.attempts.size(),
-        step.relative_residual, contact.nodes, contact.p99_depth_from_rest_mm,
-        contact.max_depth_from_rest_mm, seconds_.back()));
+        step.relative_residual, contact.nodes, contact.p99_penetration_increase_mm,
+        contact.max_penetration_increase_mm, seconds_.back()));
   }
   [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
 
@@ -191,10 +191,10 @@ void check_penetration(const PreparedCase& prepared, const predict::FacePredicti
                        Progress& progress) {
   const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm;
   if (!tolerance_mm) return;
-  const auto deep = std::count_if(prediction.steps.begin(), prediction.steps.end(),
-                                  [&](const predict::PredictionStep& step) {
-                                    return step.contact().p99_depth_from_rest_mm > *tolerance_mm;
-                                  });
+  const auto deep = std::count_if(
+      prediction.steps.begin(), prediction.steps.end(), [&](const predict::PredictionStep& step) {
+        return step.contact().p99_penetration_increase_mm > *tolerance_mm;
+      });
   if (deep == 0) return;
   progress.note(
       fmt::format("warning: after {} of {} steps the P99 of the penetration increase exceeds "

@@ -74,8 +74,8 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
          fmt::format("{}", step.newton_iterations()), fmt::format("{:.1e}", step.relative_residual),
          fmt::format("{}", contact.nodes), fmt::format("{:.3f}", contact.max_penetration_mm),
          fmt::format("{:.3f}", contact.mean_penetration_mm),
-         fmt::format("{:.3f}", contact.max_depth_from_rest_mm),
-         fmt::format("{:.3f}", contact.p99_depth_from_rest_mm),
+         fmt::format("{:.3f}", contact.max_penetration_increase_mm),
+         fmt::format("{:.3f}", contact.p99_penetration_increase_mm),
          fmt::format("{:.3f}", contact.force_L_n.norm()), fmt::format("{:.3f}", step.min_J)});
   }
   return table;
@@ -94,8 +94,8 @@ report::ReportTable segment_table(const PreparedCase& prepared,
     table.rows.push_back({prepared.plan.segments[k].osteotomy.segment,
                           fmt::format("{:.1f}", prepared.cut.volumes_mm3[k] * 1e-3),
                           fmt::format("{}", contact.nodes), fmt::format("{:.0f}", contact.area_mm2),
-                          fmt::format("{:.3f}", contact.max_depth_from_rest_mm),
-                          fmt::format("{:.3f}", contact.p99_depth_from_rest_mm),
+                          fmt::format("{:.3f}", contact.max_penetration_increase_mm),
+                          fmt::format("{:.3f}", contact.p99_penetration_increase_mm),
                           fmt::format("{:.3f}", contact.force_L_n.norm())});
   }
   return table;

@@ -75,8 +75,9 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   std::vector<Vec3> x_L = tissue.nodes_L;
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
-  // Tissue initially within capture_mm of the bone is in contact.
-  const double near_mm = prepared.plan.boundary.capture_mm + contact.max_depth_from_rest_mm;
+  // Tissue initially within contact_snap_mm of the bone is in contact.
+  const double near_mm =
+      prepared.plan.boundary.contact_snap_mm + contact.max_penetration_increase_mm;
   contact::BoneContactFields load =
       contact::project_contact_to_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
                                        prediction.touched[segment], near_mm);

@@ -32,15 +32,15 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
                                           const geometry::TriangleMesh& skin_L,
                                           const geometry::TriangleMesh& moved_L,
                                           const geometry::TriangleMesh& remainder_L,
-                                          const predict::TissueOptions& options, double capture_mm,
-                                          const std::string& key, const StageCache& cache,
-                                          Progress& progress) {
+                                          const predict::TissueOptions& options,
+                                          double contact_snap_mm, const std::string& key,
+                                          const StageCache& cache, Progress& progress) {
   progress.begin_stage("mesh the soft tissue");
   return cache.get(
       "tissue.vtu", key, progress, [](const fs::path& path) { return io::read_vtu(path); },
       [&] {
         return options.skin ? predict::mesh_tissue_and_skin(domain, skin_L, moved_L, remainder_L,
-                                                            options, capture_mm, progress)
+                                                            options, contact_snap_mm, progress)
                             : predict::mesh_tissue(domain, moved_L, options, progress);
       },
       [](const fs::path& path, const mesh::VolumeMesh& made) { return io::write_vtu(path, made); });
@@ -127,10 +127,10 @@ Result<mesh::VolumeMesh> make_tissue(const io::PlanFile& plan, const ScannedHead
       anatomy::soft_tissue_level(ct, head.labels, head.levels, progress), ct.grid, bones.segments_L,
       plan.tissue);
   const std::string key = tissue_key(head.ct_sha256, head.labels, head.levels, bones.segments_L,
-                                     remainder_L, plan.tissue, plan.boundary.capture_mm);
+                                     remainder_L, plan.tissue, plan.boundary.contact_snap_mm);
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, skin_L, bones.segments_L, remainder_L, plan.tissue,
-                              plan.boundary.capture_mm, key, cache, progress));
+                              plan.boundary.contact_snap_mm, key, cache, progress));
   tissue = predict::assign_tissue_regions(std::move(tissue), plan.tissue, head.labels, progress);
   progress.begin_stage("find boundaries");
   tissue = predict::find_tissue_boundary(std::move(tissue), domain, head.labels, skin_L,

@@ -133,9 +133,9 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
     const contact::ContactStatistics& contact = increment.contacts[i];
     line += fmt::format(", {} nodes in contact", contact.nodes);
     const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
-    if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
+    if (tolerance_mm && contact.p99_penetration_increase_mm > *tolerance_mm)
       line += fmt::format(" with a P99 of the penetration increase of {:.3g} mm, above {:g} mm",
-                          contact.p99_depth_from_rest_mm, *tolerance_mm);
+                          contact.p99_penetration_increase_mm, *tolerance_mm);
   }
   return line;
 }

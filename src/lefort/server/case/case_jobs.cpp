@@ -190,8 +190,8 @@ json step_json(int job, const predict::PredictionStep& step, int steps) {
           {"newton_iterations", step.newton_iterations()},
           {"relative_residual", step.relative_residual},
           {"contact_nodes", step.contact().nodes},
-          {"p99_penetration_increase_mm", step.contact().p99_depth_from_rest_mm},
-          {"max_penetration_increase_mm", step.contact().max_depth_from_rest_mm}};
+          {"p99_penetration_increase_mm", step.contact().p99_penetration_increase_mm},
+          {"max_penetration_increase_mm", step.contact().max_penetration_increase_mm}};
 }
 
 Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,

@@ -132,7 +132,7 @@ Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
   const auto plan = io::read_plan(served.folder.plan());
   const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
   return json_response({{"names", names},
-                        {"contact_snap_mm", options.capture_mm},
+                        {"contact_snap_mm", options.contact_snap_mm},
                         {"elevation_margin_mm", options.elevation_margin_mm},
                         {"rules", rules_json(options)},
                         {"areas", areas_json(served.folder)}});
