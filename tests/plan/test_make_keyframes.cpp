@@ -73,8 +73,8 @@ TEST(MakeKeyframes, DistractionIsProportionalToDays) {
   const auto keys = distraction_keyframes(phases);
   ASSERT_TRUE(keys);
   ASSERT_EQ(keys->size(), 2U);
-  EXPECT_EQ((*keys)[0].at, 0.6);
-  EXPECT_EQ((*keys)[1].at, 1.0);
+  EXPECT_EQ((*keys)[0].path_fraction, 0.6);
+  EXPECT_EQ((*keys)[1].path_fraction, 1.0);
   EXPECT_EQ(total_days(phases), 10);
   const geometry::RigidPath path{.segment = "s", .keyframes = *keys, .steps = 10};
   ASSERT_TRUE(geometry::check_path(path));
