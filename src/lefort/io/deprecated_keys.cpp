@@ -10,7 +10,8 @@ constexpr DeprecatedKey kPlanKeys[] = {
     {"segments[].osteotomy", "smallest_piece_ml", "min_piece_ml"},
     {"segments[].osteotomy", "smallest_piece_share", "min_piece_fraction"},
     {"segments[].path.keyframes[]", "at", "path_fraction"},
-    {"boundary", "moved_bone", "segment_interface"},
+    {"boundary", "moved_bone", "interface"},
+    {"boundary", "segment_interface", "interface"},
     {"boundary", "scan_edge", "scan_boundary"},
     {"boundary", "release_mm", "elevation_margin_mm"},
     {"boundary", "capture_mm", "contact_snap_mm"},
@@ -19,8 +20,8 @@ constexpr DeprecatedKey kPlanKeys[] = {
 };
 
 constexpr DeprecatedValue kPlanValues[] = {
-    {"boundary", "segment_interface", "contact", "sliding"},
-    {"boundary", "segment_interface", "attached", "bonded"},
+    {"boundary", "interface", "sliding", "contact"},
+    {"boundary", "interface", "attached", "bonded"},
 };
 
 constexpr DeprecatedKey kDeckKeys[] = {

@@ -93,11 +93,27 @@ Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
 }
 
 void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
-  if (boundary.value("segment_interface", "sliding") == "bonded")
-    options.segment_interface = predict::SegmentInterface::kBonded;
-  if (boundary.value("scan_boundary", "free") == "fixed")
-    options.scan_boundary = predict::ScanBoundary::kFixed;
-  read(boundary, "elevation_margin_mm", options.elevation_margin_mm);
+  using predict::OuterBoundary;
+  using predict::TissueInterface;
+  const auto choose = [&](const char* key, const auto& values, auto& value) {
+    for (const auto one : values)
+      if (boundary.value(key, "") == name_of(one)) value = one;
+  };
+  choose(
+      "interface",
+      std::array{TissueInterface::kClinical, TissueInterface::kBonded, TissueInterface::kContact},
+      options.interface);
+  for (const auto& [key, value] : {std::pair{"scan_boundary", &options.scan_boundary},
+                                   std::pair{"cut_boundary", &options.cut_boundary}})
+    choose(key,
+           std::array{OuterBoundary::kRoller, OuterBoundary::kFree, OuterBoundary::kFixed,
+                      OuterBoundary::kFoundation},
+           *value);
+  if (boundary.contains("elevation_margin_mm"))
+    options.elevation_margin_mm = boundary["elevation_margin_mm"].get<double>();
+  read(boundary, "joint_margin_mm", options.joint_margin_mm);
+  read(boundary, "interface_layer_mm", options.interface_layer_mm);
+  read(boundary, "foundation_mm", options.foundation_mm);
   read(boundary, "contact_snap_mm", options.contact_snap_mm);
 }
 

@@ -67,11 +67,12 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   append(text, model.first_row.data(), model.first_row.size());
   std::vector<std::int32_t> segments, rows, nodes;
   std::vector<std::uint8_t> is_bilateral;
-  Numbers places, weights;
+  Numbers places, weights, stiffness;
   for (const auto& support : model.supports) {
     segments.push_back(support.segment);
     rows.push_back(support.row);
     is_bilateral.push_back(support.is_bilateral ? 1 : 0);
+    stiffness.push_back(support.n_per_mm);
     places.insert(places.end(), support.point_L.begin(), support.point_L.end());
     places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
   }
@@ -82,6 +83,7 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   append(text, segments.data(), segments.size());
   append(text, rows.data(), rows.size());
   append(text, is_bilateral.data(), is_bilateral.size());
+  append(text, stiffness.data(), stiffness.size());
   append(text, places.data(), places.size());
   append(text, nodes.data(), nodes.size());
   append(text, weights.data(), weights.size());
@@ -101,12 +103,12 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   std::vector<int> columns, inner;
   std::vector<std::int32_t> segments, rows, nodes;
   std::vector<std::uint8_t> is_bilateral;
-  Numbers values, places, weights, rest;
+  Numbers values, places, weights, stiffness, rest;
   predict::PreviewModel model;
   const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
                         take(text, model.first_row) && take(text, segments) && take(text, rows) &&
-                        take(text, is_bilateral) && take(text, places) && take(text, nodes) &&
-                        take(text, weights) && take(text, rest);
+                        take(text, is_bilateral) && take(text, stiffness) && take(text, places) &&
+                        take(text, nodes) && take(text, weights) && take(text, rest);
   const auto is_node = [&](std::int32_t node) {
     return node >= 0 && std::size_t(node) < model.first_row.size();
   };
@@ -114,11 +116,11 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
     return row >= -1 && row + 3 < std::int32_t(columns.size());
   };
   if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
-      is_bilateral.size() != rows.size() || places.size() != 6 * rows.size() ||
-      nodes.size() % 3 != 0 || weights.size() != nodes.size() || rest.size() != 2 ||
-      !(rest[1] >= 1.0 && rest[1] < 1e6) || segments.size() != rows.size() ||
+      is_bilateral.size() != rows.size() || stiffness.size() != rows.size() ||
+      places.size() != 6 * rows.size() || nodes.size() % 3 != 0 || weights.size() != nodes.size() ||
+      rest.size() != 2 || !(rest[1] >= 1.0 && rest[1] < 1e6) || segments.size() != rows.size() ||
       !std::all_of(segments.begin(), segments.end(),
-                   [&](std::int32_t k) { return k >= 0 && k < std::int32_t(rest[1]); }) ||
+                   [&](std::int32_t k) { return k >= -1 && k < std::int32_t(rest[1]); }) ||
       !std::all_of(nodes.begin(), nodes.end(), is_node) ||
       !std::all_of(model.first_row.begin(), model.first_row.end(), is_row) ||
       !std::all_of(rows.begin(), rows.end(),
@@ -129,7 +131,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
     model.supports.push_back({segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]),
-                              is_bilateral[s] != 0});
+                              is_bilateral[s] != 0, stiffness[s]});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
     model.skin.embedded_vertices.push_back(
         {{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});

@@ -123,10 +123,11 @@ constexpr Naming<Tissue> kTissueNaming{"segmentation",
 constexpr Naming<BoundaryLabel> kBoundaryNaming{
     "boundary.labels",
     "boundary label",
-    "fixed, free, slides or with segment",
+    "fixed, free, with segment, contact, bonded, elevated or sliding",
     [](std::string_view name, std::string_view) -> std::optional<BoundaryLabel> {
       for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
         if (name == style.name) return style.label;
+      if (name == "slides") return BoundaryLabel::kContact;  // Until version 0.3.
       return std::nullopt;
     },
     [](BoundaryLabel, BoundaryLabel) { return true; },

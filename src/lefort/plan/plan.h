@@ -39,6 +39,15 @@ struct CutRegion {
   std::vector<CutCurve> curves;
 };
 
+/// Standard osteotomies, with their landmarks (osteotomy_template.h).
+enum class OsteotomyTemplate {
+  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
+  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
+  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
+  kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
+  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
+};
+
 /// The segment is the bone within `planes` and `curves`, for example the midface anterior to a
 /// coronal plane and below an axial one, and the bone within each of `additional_regions`.
 ///
@@ -55,6 +64,8 @@ struct Osteotomy {
   std::vector<Vec3> anchor_points_L{};
   /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; >= 0.
   double kerf_mm = 0.0;
+  /// The procedure, if it is known. It decides how far tissue is elevated (elevation_zone.h).
+  std::optional<OsteotomyTemplate> procedure = std::nullopt;
 };
 
 }  // namespace lefort::plan

@@ -9,13 +9,16 @@
 
 namespace lefort::predict {
 
-/// Boundary condition of a voxel. Sliding on a segment needs no label: free tissue slides there.
+/// Boundary condition of a voxel.
 enum class BoundaryLabel : std::uint8_t {
   kNone = 0,  ///< Not painted: the boundary rules decide.
   kFixed = 1,
   kFree = 2,         ///< Not fixed; the segment may push it.
   kWithSegment = 3,  ///< Moves with the segment, even if not on it.
-  kSlides = 4,       ///< Free; slides on stationary bone and may lift off.
+  kContact = 4,      ///< Free; stationary bone pushes it too.
+  kBonded = 5,       ///< Moves with the closest bone.
+  kElevated = 6,     ///< Elastic layer on the closest bone.
+  kSliding = 7,      ///< Stays on the closest bone and moves freely along it.
 };
 
 /// Name and color of a label in files, and the name of its node set.
@@ -26,11 +29,14 @@ struct BoundaryLabelStyle {
   std::array<double, 3> color;  ///< RGB, 0 to 1; safe for color blindness.
 };
 
-inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
+inline constexpr std::array<BoundaryLabelStyle, 7> kBoundaryLabelStyles{{
     {BoundaryLabel::kFixed, "fixed", "painted_fixed", {0.80, 0.25, 0.20}},
     {BoundaryLabel::kFree, "free", "painted_free", {0.06, 0.50, 0.47}},
     {BoundaryLabel::kWithSegment, "with segment", "painted_with_segment", {0.60, 0.35, 0.80}},
-    {BoundaryLabel::kSlides, "slides", "painted_slides", {0.90, 0.60, 0.00}},
+    {BoundaryLabel::kContact, "contact", "painted_contact", {0.90, 0.60, 0.00}},
+    {BoundaryLabel::kBonded, "bonded", "painted_bonded", {0.00, 0.45, 0.70}},
+    {BoundaryLabel::kElevated, "elevated", "painted_elevated", {0.34, 0.71, 0.91}},
+    {BoundaryLabel::kSliding, "sliding", "painted_sliding", {0.94, 0.89, 0.26}},
 }};
 
 /// One label per voxel of the scan.

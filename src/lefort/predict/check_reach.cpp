@@ -66,7 +66,7 @@ Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
                          const std::vector<MovedSegment>& segments,
                          const DistanceQueries& distance_queries_B,
                          const BoundaryOptions& boundary) {
-  if (boundary.segment_interface != SegmentInterface::kSliding) return {};
+  if (boundary.interface == TissueInterface::kBonded) return {};
   const std::vector<LoadLevel> levels = load_levels(paths, 1);
   for (std::size_t k = 0; k < paths.size(); ++k)
     LEFORT_TRY_VOID(check_reach_of(paths[k], levels, segments[k], *distance_queries_B[k],

@@ -5,6 +5,7 @@
 #include <lefort/field/distance_field.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
+#include <lefort/predict/interface_map.h>
 
 #include <cstdint>
 #include <memory>
@@ -22,8 +23,10 @@ struct MovedSegment {
 struct FaceModel {
   mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
   std::vector<MovedSegment> segments;  ///< One or more, in the order of the plan.
-  /// Needed if tissue is painted to slide on it.
+  /// Needed if tissue slides on it, or if there is a set sets::kStationaryContact.
   std::optional<MovedSegment> stationary_bone = std::nullopt;
+  /// Conditions of the tissue boundary. Empty: those of the sets alone.
+  InterfaceMap interface = {};
 };
 
 /// Assigns each node to the segment with the closest surface at rest; of equally close segments, to

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
+#include <lefort/contact/support_term.h>
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/solve/load_steps.h>
@@ -16,7 +17,8 @@ namespace lefort::predict {
 /// One segment at a step.
 struct SegmentStep {
   RigidTransform X_LB;
-  contact::ContactStatistics contact;  ///< Of the tissue with it; zero if tissue is bonded.
+  contact::ContactStatistics contact;   ///< Of the tissue with it; zero if tissue is bonded.
+  contact::SupportStatistics supports;  ///< Of elevated and sliding tissue on it.
 };
 
 /// The equilibrium at one step.
@@ -24,8 +26,9 @@ struct PredictionStep {
   double path_fraction = 0.0;         ///< 0 to 1.
   std::vector<SegmentStep> segments;  ///< In the order of the plan.
   std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
-  /// Of the tissue painted to slide on stationary bone; zero without such tissue.
+  /// Of tissue with stationary bone; zero without such tissue.
   contact::ContactStatistics stationary_contact = {};
+  contact::SupportStatistics stationary_supports = {};  ///< Of elevated and sliding tissue on it.
   double min_J = 1.0;                      ///< Smallest Jacobian of an element; positive.
   double residual_n = 0.0;                 ///< Norm of the residual, last iteration.
   double relative_residual = 0.0;          ///< To the residual reference (fem/assembly/assemble.h).

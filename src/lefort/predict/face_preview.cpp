@@ -6,10 +6,12 @@
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/predict/face_preview.h>
+#include <lefort/predict/interface_supports.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/tissue_materials.h>
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 #include <utility>
 
@@ -38,9 +40,9 @@ Error describe(linear::LinearSolveStatus outcome) {
 /// Supports along the bone's normal, or along all axes where tissue moves with the segment.
 Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
                                                          const std::vector<std::int32_t>& first_row,
-                                                         SegmentInterface segment_interface) {
+                                                         TissueInterface interface) {
   const mesh::VolumeMesh& tissue = model.tissue;
-  const std::vector<std::int32_t> bonded = nodes_with_segment(tissue, segment_interface);
+  const std::vector<std::int32_t> bonded = nodes_with_segment(tissue, interface);
   const auto prescribed = nodes_by_segment(model, bonded);
   const auto touching = nodes_by_segment(model, nodes_on_segment(tissue));
   std::vector<PreviewModel::Support> supports;
@@ -52,7 +54,7 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
                             .point_L = tissue.nodes_L[std::size_t(node)],
                             .direction_L = Vec3::Unit(axis),
                             .is_bilateral = true});
-    if (segment_interface == SegmentInterface::kBonded) continue;
+    if (interface != TissueInterface::kContact) continue;
     LEFORT_TRY(const auto distance_query_B,
                contact::field_distance_query(model.segments[k].field_B,
                                              contact::DetectionMethod::kTrilinear));
@@ -72,6 +74,38 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
   return supports;
 }
 
+/// Adds elastic supports of the interface map, each with its normal and, if it has a tangential
+/// stiffness, two tangents.
+void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
+                            const BoundaryOptions& boundary,
+                            const std::vector<std::int32_t>& first_row,
+                            std::vector<PreviewModel::Support>& supports) {
+  const InterfaceSupports all =
+      interface_supports(model.tissue, model.interface, model.segments.size(), tissue, boundary);
+  const auto add = [&](const std::vector<contact::NodalSupport>& list, std::int32_t segment) {
+    for (const contact::NodalSupport& one : list) {
+      const std::int32_t row = first_row[std::size_t(one.node)];
+      if (row < 0) continue;
+      const Vec3 tangent = one.normal_B.unitOrthogonal();
+      const std::array<std::pair<Vec3, double>, 3> directions{
+          {{one.normal_B, one.normal_mpa_per_mm},
+           {tangent, one.tangential_mpa_per_mm},
+           {one.normal_B.cross(tangent), one.tangential_mpa_per_mm}}};
+      for (const auto& [direction_L, mpa_per_mm] : directions)
+        if (mpa_per_mm > 0.0)
+          supports.push_back({.segment = segment,
+                              .row = row,
+                              .point_L = model.tissue.nodes_L[std::size_t(one.node)],
+                              .direction_L = direction_L,
+                              .is_bilateral = true,
+                              .n_per_mm = one.area_mm2 * mpa_per_mm});
+    }
+  };
+  for (std::size_t k = 0; k < all.on_segments.size(); ++k) add(all.on_segments[k], std::int32_t(k));
+  add(all.on_stationary, -1);
+  add(all.on_planes, -1);
+}
+
 }  // namespace
 
 Result<PreviewModel> make_preview_model(const FaceModel& model,
@@ -80,12 +114,11 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
                                         const BoundaryOptions& boundary, const Vec3& spacing_mm) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
-  if (tissue.face_sets.contains(sets::kStationaryContact))
-    return fail(
-        ErrorCode::kPlanInvalid,
-        "boundary.labels: the preview does not support tissue painted to slide on stationary bone");
-  if (nodes_on_segment(tissue).empty() &&
-      nodes_with_segment(tissue, boundary.segment_interface).empty())
+  if (boundary.interface != TissueInterface::kClinical &&
+      tissue.face_sets.contains(sets::kStationaryContact))
+    return fail(ErrorCode::kPlanInvalid,
+                "boundary.labels: the preview does not support tissue painted as contact");
+  if (nodes_on_segment(tissue).empty() && nodes_with_segment(tissue, boundary.interface).empty())
     return fail(ErrorCode::kAnatomyMissing, "no soft tissue lies on the segment");
   if (fixed.empty())
     return fail(ErrorCode::kAnatomyMissing, "the soft tissue is not fixed anywhere");
@@ -101,7 +134,7 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   preview.stiffness_n_per_mm = assembler.tangent(VectorX::Zero(3 * tissue.node_count()));
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
-  LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, boundary.segment_interface));
+  LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, boundary.interface));
   if (preview.supports.empty())
     return fail(ErrorCode::kAnatomyMissing,
                 "the segment's field has no direction out of the bone where tissue lies on it");
@@ -109,8 +142,8 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   double sum = 0.0;
   for (const PreviewModel::Support& support : preview.supports)
     sum += diagonal.segment<3>(support.row).mean();
-  if (!preview.supports.empty())
-    preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
+  preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
+  add_interface_supports(model, options, boundary, preview.first_row, preview.supports);
   preview.skin = embed_skin(skin_L, tissue, embedding_distance_mm(options, spacing_mm));
   return preview;
 }
@@ -123,6 +156,9 @@ struct FacePreview::Solver {
   linear::LinearSolver solver{{.kind = linear::LinearSolverKind::kReusedFactor}};
   bool is_factorized = false;
 
+  [[nodiscard]] double stiffness_of(const PreviewModel::Support& support) const {
+    return support.n_per_mm > 0.0 ? support.n_per_mm : model.support_n_per_mm;
+  }
   /// Of the tissue with the active supports.
   [[nodiscard]] linear::SparseMatrix stiffness(const std::vector<char>& active) const;
   [[nodiscard]] Result<VectorX> solve(const std::vector<char>& active,
@@ -133,10 +169,12 @@ linear::SparseMatrix FacePreview::Solver::stiffness(const std::vector<char>& act
   linear::SparseMatrix K = model.stiffness_n_per_mm;
   for (std::size_t s = 0; s < active.size(); ++s) {
     if (!active[s]) continue;
-    const auto& [segment, row, point_L, n, is_bilateral] = model.supports[s];
+    const PreviewModel::Support& support = model.supports[s];
+    const Vec3& n = support.direction_L;
+    const Index row = support.row;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j)
-        K.coeffRef(row + i, row + j) += model.support_n_per_mm * n[i] * n[j];
+        K.coeffRef(row + i, row + j) += stiffness_of(support) * n[i] * n[j];
   }
   return K;
 }
@@ -147,7 +185,7 @@ Result<VectorX> FacePreview::Solver::solve(const std::vector<char>& active,
   for (std::size_t s = 0; s < active.size(); ++s)
     if (active[s])
       push_n.segment<3>(model.supports[s].row) +=
-          model.support_n_per_mm * pushed_mm[s] * model.supports[s].direction_L;
+          stiffness_of(model.supports[s]) * pushed_mm[s] * model.supports[s].direction_L;
   if (const auto done = solver.factorize(stiffness(active));
       done != linear::LinearSolveStatus::kDone)
     return tl::unexpected(describe(done));
@@ -179,13 +217,14 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
     if (done != linear::LinearSolveStatus::kDone) return tl::unexpected(describe(done));
     system.is_factorized = true;
   }
-  std::vector<double> pushed_mm(count);
+  std::vector<double> pushed_mm(count, 0.0);
   std::vector<char> active(count, 1);
   bool is_at_rest = true;
   for (std::size_t s = 0; s < count; ++s) {
     const Vec3& p = model.supports[s].point_L;
-    const RigidTransform& X = X_LB[std::size_t(model.supports[s].segment)];
-    pushed_mm[s] = model.supports[s].direction_L.dot(X * p - p);
+    const std::int32_t segment = model.supports[s].segment;
+    if (segment >= 0)
+      pushed_mm[s] = model.supports[s].direction_L.dot(X_LB[std::size_t(segment)] * p - p);
     is_at_rest = is_at_rest && std::abs(pushed_mm[s]) < kAtRest_mm;
     active[s] = model.supports[s].is_bilateral || pushed_mm[s] > 0.0;
   }
@@ -194,8 +233,9 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
     LEFORT_TRY(u, system.solve(active, pushed_mm));
     std::size_t changed = 0;
     for (std::size_t s = 0; s < count; ++s) {
-      const auto& [segment, row, point_L, n, is_bilateral] = model.supports[s];
-      const char is_active = is_bilateral || pushed_mm[s] > n.dot(u.segment<3>(row));
+      const PreviewModel::Support& support = model.supports[s];
+      const char is_active =
+          support.is_bilateral || pushed_mm[s] > support.direction_L.dot(u.segment<3>(support.row));
       changed += is_active != active[s];
       active[s] = is_active;
     }

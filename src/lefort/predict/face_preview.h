@@ -25,11 +25,12 @@ struct PreviewModel {
 
   /// A tissue point whose displacement in one direction follows a segment.
   struct Support {
-    std::int32_t segment = 0;         ///< Its index, in the order of the plan.
+    std::int32_t segment = 0;         ///< Its index, in the order of the plan; -1: stationary.
     std::int32_t row = 0;             ///< The first of the three of its node.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
     Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone if unilateral.
     bool is_bilateral = false;        ///< Pulls too; bonded tissue has three of these.
+    double n_per_mm = 0.0;            ///< Stiffness; 0: support_n_per_mm.
   };
   std::vector<Support> supports;
   double support_n_per_mm = 0.0;  ///< Stiffness of a support.

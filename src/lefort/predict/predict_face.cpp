@@ -9,6 +9,7 @@
 #include <lefort/fem/solve/load_steps.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
+#include <lefort/predict/interface_supports.h>
 #include <lefort/predict/load_levels.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
@@ -130,6 +131,7 @@ class FacePath {
   void add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
                    const std::string& name, const std::vector<mesh::Face>& faces);
   void note_rest_penetration(std::size_t segment);
+  void add_supports(const std::vector<contact::RigidObstacle>& bones);
   [[nodiscard]] Result<void> make_assembler();
   void make_stepper(double max_distance_mm);
 
@@ -153,6 +155,8 @@ class FacePath {
   /// With each segment, if tissue slides on them; then with stationary bone, if it slides there.
   std::vector<contact::ContactTerm> contacts_;
   std::size_t segment_contact_count_ = 0;
+  std::vector<contact::SupportTerm> segment_supports_;     ///< One for each segment.
+  std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
   std::optional<fem::Assembler> assembler_;
 
   std::vector<LoadLevel> levels_;
@@ -177,7 +181,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
   LEFORT_TRY_VOID(check_reach(paths, model.segments, distance_queries_B, options.boundary));
   std::unique_ptr<FacePath> path(new FacePath(model, paths, options, watch, progress));
   path->bonded_ =
-      nodes_by_segment(model, nodes_with_segment(model.tissue, options.boundary.segment_interface));
+      nodes_by_segment(model, nodes_with_segment(model.tissue, options.boundary.interface));
   LEFORT_TRY_VOID(check_sets(model, paths, path->bonded_));
 
   LEFORT_TRY(path->materials_, materials_of(options.tissue));
@@ -194,16 +198,17 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
 
 Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   const mesh::VolumeMesh& tissue = model_.tissue;
-  const bool is_sliding = options_.boundary.segment_interface == SegmentInterface::kSliding;
+  const bool is_sliding = options_.boundary.interface != TissueInterface::kBonded;
   const auto stationary_faces = tissue.face_sets.find(sets::kStationaryContact);
   const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
+  const bool needs_stationary = slides_on_stationary || slides_on_stationary_bone(model_.interface);
   if (is_sliding || slides_on_stationary)
     prediction_.contact_stiffness_mpa_per_mm =
         contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
   std::vector<contact::RigidObstacle> bones;  // At rest: segments, then stationary bone if needed.
   for (const auto& distance_query_B : distance_queries_B)
     bones.push_back({distance_query_B, RigidTransform::Identity()});
-  if (slides_on_stationary) {
+  if (needs_stationary) {
     LEFORT_CHECK(model_.stationary_bone);
     LEFORT_TRY(auto distance_query_L,
                segment_distance_query(*model_.stationary_bone, options_.contact.detection));
@@ -217,7 +222,22 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   }
   if (slides_on_stationary)
     add_contact(bones, paths_.size(), "stationary bone", stationary_faces->second);
+  add_supports(bones);
   return {};
+}
+
+/// \param bones  segments in the order of the plan, then stationary bone if tissue slides on it.
+void FacePath::add_supports(const std::vector<contact::RigidObstacle>& bones) {
+  const std::vector<Vec3>& nodes_L = model_.tissue.nodes_L;
+  InterfaceSupports supports = interface_supports(model_.tissue, model_.interface, paths_.size(),
+                                                  options_.tissue, options_.boundary);
+  for (std::size_t k = 0; k < paths_.size(); ++k)
+    segment_supports_.emplace_back(nodes_L, std::move(supports.on_segments[k]), bones[k]);
+  stationary_supports_.emplace_back(
+      nodes_L, std::move(supports.on_stationary),
+      bones.size() > paths_.size() ? bones.back() : contact::RigidObstacle{});
+  stationary_supports_.emplace_back(nodes_L, std::move(supports.on_planes),
+                                    contact::RigidObstacle{});
 }
 
 void FacePath::add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
@@ -251,6 +271,9 @@ Result<void> FacePath::make_assembler() {
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements_) terms.push_back(term.get());
   for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
+  for (const auto* supports : {&segment_supports_, &stationary_supports_})
+    for (const contact::SupportTerm& term : *supports)
+      if (term.item_count() > 0) terms.push_back(&term);
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
                                                   prescribed_at(geometry::poses_at(paths_, 0.0))));
   assembler_.emplace(tissue.nodes_L, std::move(dofs), std::move(terms));
@@ -294,6 +317,7 @@ std::vector<fem::PrescribedDisplacement> FacePath::prescribed_at(
 
 void FacePath::pose_contacts(const std::vector<RigidTransform>& X_LB) {
   for (std::size_t k = 0; k < segment_contact_count_; ++k) contacts_[k].set_pose(X_LB[k]);
+  for (std::size_t k = 0; k < segment_supports_.size(); ++k) segment_supports_[k].set_pose(X_LB[k]);
 }
 
 fem::NewtonOutcome FacePath::solve_at(double path_fraction, const VectorX& start) {
@@ -348,13 +372,17 @@ void FacePath::record_step(double path_fraction) {
   PredictionStep step;
   step.path_fraction = path_fraction;
   for (const RigidTransform& X_LB : geometry::poses_at(paths_, path_fraction))
-    step.segments.push_back({.X_LB = X_LB, .contact = {}});
+    step.segments.push_back({.X_LB = X_LB, .contact = {}, .supports = {}});
   step.displacement_mm = as_vectors(u);
   const std::vector<Vec3> x_L = contact::displaced(model_.tissue.nodes_L, u);
   for (std::size_t k = 0; k < segment_contact_count_; ++k)
     step.segments[k].contact = contacts_[k].summarize(x_L);
   if (contacts_.size() > segment_contact_count_)
     step.stationary_contact = contacts_.back().summarize(x_L);
+  for (std::size_t k = 0; k < segment_supports_.size(); ++k)
+    step.segments[k].supports = segment_supports_[k].summarize(x_L);
+  if (!stationary_supports_.empty())
+    step.stationary_supports = stationary_supports_.front().summarize(x_L);
   step.min_J = min_volume_ratio(model_.tissue, materials_, u);
   step.attempts = take_new_attempts();
   const fem::NewtonIterate& last = step.attempts.back().history.back();

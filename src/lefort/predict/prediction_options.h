@@ -6,18 +6,49 @@
 #include <lefort/core/types.h>
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace lefort::predict {
 
-/// Interface between tissue and mobilized segment.
-enum class SegmentInterface {
-  kSliding,  ///< Pushed; slides without friction (\cite lefort-paper).
-  kBonded,   ///< Moves with the bone.
+/// How tissue is connected to bone (docs/theory/interface.md).
+enum class TissueInterface {
+  kClinical,  ///< Bonded, elevated or sliding, by anatomy and osteotomy (interface_map.h).
+  kBonded,    ///< Tissue on a mobilized segment moves with it; elevated tissue is free.
+  kContact,   ///< As kBonded, but a segment only pushes, without friction (\cite lefort-paper).
 };
 
-/// Boundary condition where the scanned volume ends.
-enum class ScanBoundary { kFree, kFixed };
+/// Boundary condition where the meshed tissue continues beyond the mesh.
+enum class OuterBoundary {
+  kRoller,      ///< The displacement normal to the plane is zero; tangential motion is free.
+  kFree,        ///< No traction.
+  kFixed,       ///< No displacement.
+  kFoundation,  ///< Elastic foundation: tissue of thickness foundation_mm, fixed on its far side.
+};
+
+/// Names in plans and results.
+[[nodiscard]] constexpr std::string_view name_of(TissueInterface interface) {
+  switch (interface) {
+    case TissueInterface::kBonded:
+      return "bonded";
+    case TissueInterface::kContact:
+      return "contact";
+    default:
+      return "clinical";
+  }
+}
+[[nodiscard]] constexpr std::string_view name_of(OuterBoundary boundary) {
+  switch (boundary) {
+    case OuterBoundary::kFree:
+      return "free";
+    case OuterBoundary::kFixed:
+      return "fixed";
+    case OuterBoundary::kFoundation:
+      return "foundation";
+    default:
+      return "roller";
+  }
+}
 
 /// Skin as a separate layer on the deep tissue. Constants and their sources:
 /// docs/theory/materials.md.
@@ -61,13 +92,27 @@ struct TissueOptions {
 };
 
 struct BoundaryOptions {
-  SegmentInterface segment_interface = SegmentInterface::kSliding;
-  ScanBoundary scan_boundary = ScanBoundary::kFree;
-  /// Tissue on stationary bone within this distance of the segment is elevated.
-  double elevation_margin_mm = 8.0;
+  TissueInterface interface = TissueInterface::kClinical;
+  OuterBoundary scan_boundary = OuterBoundary::kRoller;  ///< Where the scan ends.
+  OuterBoundary cut_boundary = OuterBoundary::kRoller;   ///< Where the region ends.
+  /// Thickness of the tissue beyond an elastic foundation, > 0.
+  double foundation_mm = 20.0;
+  /// kClinical: tissue on bone within this distance of an osteotomy is elevated; if empty, the
+  /// distances of the procedure (plan/elevation_zone.h). Else: tissue on stationary bone within
+  /// this distance of a segment is elevated; if empty, kElevationMargin_mm.
+  std::optional<double> elevation_margin_mm = std::nullopt;
+  /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
+  /// osteotomy separates from it, slides: teeth, gingiva, and the joint of the mandible; >= 0.
+  double joint_margin_mm = 8.0;
+  /// Thickness of the elastic layer between bone and elevated tissue, > 0: periosteum and healing
+  /// tissue (interface_stiffness.h).
+  double interface_layer_mm = 1.0;
   /// Contact snap distance: boundary within this distance of a bone lies on it.
   double contact_snap_mm = 0.8;
 };
+
+/// elevation_margin_mm of interfaces other than kClinical, and of osteotomies without a template.
+inline constexpr double kElevationMargin_mm = 8.0;
 
 struct ContactOptions {
   /// k_c = factor * Young's modulus / element size, > 0; default: stiffness_factor().

@@ -6,6 +6,7 @@
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/boundary_labels.h>
+#include <lefort/predict/interface_map.h>
 #include <lefort/predict/prediction_options.h>
 #include <lefort/predict/tissue_domain.h>
 
@@ -26,41 +27,41 @@ inline constexpr const char* kBrain = "brain";                  ///< At the cran
 inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
 inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
-inline constexpr const char* kContact = "contact";  ///< Faces that may meet the segment.
-/// Faces that slide on stationary bone. Missing unless some are painted so.
+inline constexpr const char* kBonded = "bonded";    ///< Nodes that move with a segment.
+inline constexpr const char* kContact = "contact";  ///< Faces that may meet a segment.
+/// Faces that may meet stationary bone; missing if there are none.
 inline constexpr const char* kStationaryContact = "still_contact";
 }  // namespace sets
 
-/// Adds those sets to a mesh of the domain.
+/// A mesh with those sets, and the condition of each boundary node.
+struct TissueBoundary {
+  mesh::VolumeMesh tissue;
+  InterfaceMap interface;
+};
+
+/// Adds those sets to a mesh of the domain and decides the conditions.
 ///
-/// Fixed are the cut, the scan boundary if options.scan_boundary says so, and tissue on stationary
-/// bone and on the brain, except within options.elevation_margin_mm of the segment, where the
-/// surgeon elevates it.
-///
-/// \param tissue       mesh of the domain.
-/// \param domain       its cut planes are used.
-/// \param labels       of the scan; the brain is used.
-/// \param skin_L       skin surface. Its level-set function does not suffice, because it is known
+/// \param tissue   mesh of the domain.
+/// \param domain   its planes are used.
+/// \param labels   of the scan; brain and airway are used.
+/// \param skin_L   skin surface. Its level-set function does not suffice, because it is known
 ///   only near its zero.
-/// \param segment_L    the segments as one mesh (plan::append).
-/// \param remainder_L  the stationary bone.
-/// \param options      contact snap distance, elevation margin and scan boundary.
-/// \param painted      may be null. Its labels decide which nodes are fixed; each label gets a set
-///   of its nodes (kBoundaryLabelStyles). The other sets do not depend on it.
-/// \returns the mesh with its sets.
-[[nodiscard]] mesh::VolumeMesh find_tissue_boundary(
+/// \param bones    segments and stationary bone at rest.
+/// \param options  contact snap distance, interface and boundaries.
+/// \param painted  may be null. Its labels override the rules; each label gets a set of its nodes
+///   (kBoundaryLabelStyles). The sets of the geometry do not depend on it.
+[[nodiscard]] TissueBoundary find_tissue_boundary(
     mesh::VolumeMesh tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
-    const geometry::TriangleMesh& skin_L, const geometry::TriangleMesh& segment_L,
-    const geometry::TriangleMesh& remainder_L, const BoundaryOptions& options,
-    const BoundaryLabelMap* painted = nullptr);
+    const geometry::TriangleMesh& skin_L, const InterfaceBones& bones,
+    const BoundaryOptions& options, const BoundaryLabelMap* painted = nullptr);
 
 /// Nodes on the segment that are not fixed, ascending. \pre `tissue` has the sets.
 [[nodiscard]] std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue);
 
-/// Nodes that move with the segment, ascending: those painted so and, if `segment_interface` is
-/// bonded, all on the segment that are not painted otherwise.
+/// Nodes that move with a segment, ascending: the set sets::kBonded. A mesh without that set has
+/// all nodes_on_segment() if `interface` is kBonded, else none.
 [[nodiscard]] std::vector<std::int32_t> nodes_with_segment(const mesh::VolumeMesh& tissue,
-                                                           SegmentInterface segment_interface);
+                                                           TissueInterface interface);
 
 /// Boundary nodes that one rule takes, by boundary condition.
 struct BoundaryRuleStatistics {
@@ -68,7 +69,7 @@ struct BoundaryRuleStatistics {
   std::optional<double> within_mm;  ///< Distance of taken nodes; without, all the rest.
   Index fixed = 0;
   Index with_segment = 0;
-  Index free = 0;     ///< The segment may push them.
+  Index free = 0;     ///< Any other condition (interface_map.h).
   Index painted = 0;  ///< Taken by the rule, but decided by a label.
   /// Of the tissue boundary; each face counts in equal parts for its corners.
   struct Areas {

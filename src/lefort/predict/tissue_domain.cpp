@@ -56,6 +56,15 @@ double TissueDomain::distance_to_scan_boundary(const Vec3& p_L) const {
   return std::abs(depth_inside(scan_boundaries_L, p_L));
 }
 
+std::vector<Vec3> TissueDomain::planes_at(const Vec3& p_L, double tolerance_mm) const {
+  std::vector<Vec3> normals;
+  for (const auto* planes : {&cuts_L, &scan_boundaries_L})
+    for (const mesh::HalfSpace& plane : *planes)
+      if (std::abs(plane.normal.dot(p_L - plane.point)) <= tolerance_mm)
+        normals.push_back(plane.normal);
+  return normals;
+}
+
 TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level, const image::Grid& scan_grid,
                                 const geometry::TriangleMesh& segment_L,
                                 const TissueOptions& options) {

@@ -30,6 +30,8 @@ struct TissueDomain {
   [[nodiscard]] double distance_to_cut(const Vec3& p_L) const;
   /// Distance to the closest plane of `scan_boundaries_L` [mm].
   [[nodiscard]] double distance_to_scan_boundary(const Vec3& p_L) const;
+  /// Inward normals of the planes of both kinds within `tolerance_mm` of the point, unit length.
+  [[nodiscard]] std::vector<Vec3> planes_at(const Vec3& p_L, double tolerance_mm) const;
 };
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.

@@ -148,20 +148,31 @@ void visit(Archive& archive, contact::ContactStatistics& summary) {
 }
 
 template <class Archive>
+void visit(Archive& archive, contact::SupportStatistics& supports) {
+  auto& [nodes, max_slip_mm, max_opening_mm, max_compression_mm] = supports;
+  archive(nodes);
+  archive(max_slip_mm);
+  archive(max_opening_mm);
+  archive(max_compression_mm);
+}
+
+template <class Archive>
 void visit(Archive& archive, predict::SegmentStep& segment) {
-  auto& [X_LB, contact] = segment;
+  auto& [X_LB, contact, supports] = segment;
   visit(archive, X_LB);
   visit(archive, contact);
+  visit(archive, supports);
 }
 
 template <class Archive>
 void visit(Archive& archive, predict::PredictionStep& step) {
-  auto& [path_fraction, segments, displacement_mm, stationary_contact, min_J, residual_n,
-         relative_residual, attempts] = step;
+  auto& [path_fraction, segments, displacement_mm, stationary_contact, stationary_supports, min_J,
+         residual_n, relative_residual, attempts] = step;
   archive(path_fraction);
   visit(archive, segments);
   visit(archive, displacement_mm);
   visit(archive, stationary_contact);
+  visit(archive, stationary_supports);
   archive(min_J);
   archive(residual_n);
   archive(relative_residual);
@@ -229,6 +240,17 @@ void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
     for (const std::int32_t node : mesh::nodes_of(face)) hash.add(double(node));
 }
 
+void add(io::Sha256& hash, const predict::InterfaceMap& map) {
+  hash.add(double(map.nodes.size())).add(double(map.planes.size()));
+  for (const predict::NodeInterface& one : map.nodes) {
+    const auto& [node, condition, rule, bone, may_separate] = one;
+    hash.add(double(node)).add(double(condition)).add(double(bone)).add(double(may_separate));
+    static_cast<void>(rule);
+  }
+  for (const predict::NodePlane& plane : map.planes)
+    hash.add(double(plane.node)).add(plane.normal_L);
+}
+
 }  // namespace
 
 // Structured bindings name every member: a new member fails to compile until it is in the key.
@@ -262,12 +284,17 @@ std::string restart_key(const PreparedCase& prepared) {
   }
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
-  const auto& [segment_interface, scan_boundary, elevation_margin_mm, contact_snap_mm] =
-      plan.boundary;
-  hash.add(double(segment_interface))
+  const auto& [interface, scan_boundary, cut_boundary, foundation_mm, elevation_margin_mm,
+               joint_margin_mm, interface_layer_mm, contact_snap_mm] = plan.boundary;
+  hash.add(double(interface))
       .add(double(scan_boundary))
-      .add(elevation_margin_mm)
+      .add(double(cut_boundary))
+      .add(foundation_mm)
+      .add(elevation_margin_mm.value_or(-1.0))
+      .add(joint_margin_mm)
+      .add(interface_layer_mm)
       .add(contact_snap_mm);
+  add(hash, prepared.model.interface);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
   hash.add(predict::stiffness_factor(plan.contact))
       .add(double(detection))

@@ -1,10 +1,59 @@
 #include <lefort/pipeline/json/boundary_json.h>
+#include <lefort/predict/boundary_areas.h>
 #include <lefort/predict/tissue_boundary.h>
+
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Nodes and area of one condition set by one rule on one bone.
+struct InterfaceGroup {
+  Index nodes = 0;
+  double area_mm2 = 0.0;
+};
+
+/// Condition of every boundary node, and sums by rule, condition and bone.
+Json interface_json(const predict::FaceModel& model) {
+  using Key = std::tuple<predict::InterfaceRule, predict::InterfaceCondition, std::int32_t>;
+  const std::vector<predict::BoundaryNode> nodes = predict::boundary_nodes(model.tissue);
+  std::map<Key, InterfaceGroup> groups;
+  std::string conditions, rules;
+  Json numbers = Json::array();
+  for (const predict::NodeInterface& one : model.interface.nodes) {
+    InterfaceGroup& group = groups[{one.rule, one.condition, one.bone}];
+    ++group.nodes;
+    group.area_mm2 += nodes[std::size_t(one.node)].area_mm2;
+    conditions += predict::style_of(one.condition).letter;
+    rules += predict::style_of(one.rule).letter;
+    numbers.push_back(one.node);
+  }
+  Json table = Json::array();
+  for (const auto& [key, group] : groups) {
+    const auto& [rule, condition, bone] = key;
+    table.push_back({{"rule", predict::style_of(rule).name},
+                     {"condition", predict::style_of(condition).name},
+                     {"segment", bone >= 0 ? Json(bone) : Json(nullptr)},
+                     {"on_stationary_bone", bone == predict::kStationaryBone},
+                     {"nodes", group.nodes},
+                     {"area_mm2", group.area_mm2}});
+  }
+  Json letters = {{"conditions", Json::object()}, {"rules", Json::object()}};
+  for (const auto& style : predict::kInterfaceConditions)
+    letters["conditions"][std::string(1, style.letter)] = style.name;
+  for (const auto& style : predict::kInterfaceRules)
+    letters["rules"][std::string(1, style.letter)] = style.name;
+  return {{"groups", table},
+          {"letters", letters},
+          {"nodes", numbers},
+          {"condition_of_nodes", conditions},
+          {"rule_of_nodes", rules}};
+}
 
 }  // namespace
 
@@ -34,9 +83,7 @@ Json boundary_json(const PreparedCase& prepared) {
       painted["area_mm2"][decision.label.name] = decision.area_mm2;
     }
   }
-  return {{"elevation_margin_mm", prepared.plan.boundary.elevation_margin_mm},
-          {"rules", rules},
-          {"painted", painted}};
+  return {{"rules", rules}, {"painted", painted}, {"interface", interface_json(prepared.model)}};
 }
 
 }  // namespace lefort::pipeline

@@ -86,7 +86,7 @@ Json skin_parameters(const predict::TissueOptions& tissue) {
 
 Json parameters(const PreparedCase& prepared, const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
-  const bool is_contact = plan.boundary.segment_interface == predict::SegmentInterface::kSliding;
+  const predict::BoundaryOptions& boundary = plan.boundary;
   return {{"title", plan.title},
           {"steps", prepared.steps()},
           {"bone_hu", plan.segmentation.bone_hu},
@@ -101,10 +101,14 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
           {"element_size_mm", plan.tissue.element_size_mm},
           {"far_element_size_mm", plan.tissue.far_element_size_mm},
           {"margin_mm", plan.tissue.margin_mm},
-          {"segment_interface", is_contact ? "sliding" : "bonded"},
-          {"scan_boundary",
-           plan.boundary.scan_boundary == predict::ScanBoundary::kFree ? "free" : "fixed"},
-          {"elevation_margin_mm", plan.boundary.elevation_margin_mm},
+          {"interface", name_of(boundary.interface)},
+          {"scan_boundary", name_of(boundary.scan_boundary)},
+          {"cut_boundary", name_of(boundary.cut_boundary)},
+          {"foundation_mm", boundary.foundation_mm},
+          {"elevation_margin_mm",
+           boundary.elevation_margin_mm ? Json(*boundary.elevation_margin_mm) : Json(nullptr)},
+          {"joint_margin_mm", boundary.joint_margin_mm},
+          {"interface_layer_mm", boundary.interface_layer_mm},
           {"contact_snap_mm", plan.boundary.contact_snap_mm},
           {"stiffness_factor", predict::stiffness_factor(plan.contact)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},

@@ -93,7 +93,7 @@ std::optional<predict::Restart> find_earlier(const fs::path& file, int steps, Pr
 
 /// Detection method, stiffness and tolerance of contact.
 void report_contact(const io::PlanFile& plan, Progress& progress) {
-  if (plan.boundary.segment_interface != predict::SegmentInterface::kSliding) return;
+  if (plan.boundary.interface == predict::TissueInterface::kBonded) return;
   const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
   progress.note(fmt::format(
       "contact: {} detection, k_c = {:.4g} kPa/mm ({:g} times Young's modulus, {:g} kPa, over the "

@@ -153,10 +153,34 @@ std::string skin_in_words(const PreparedCase& prepared) {
                      law_in_words(skin->young_mpa, skin->poisson));
 }
 
+std::string interface_in_words(predict::TissueInterface interface) {
+  switch (interface) {
+    case predict::TissueInterface::kBonded:
+      return "moves with a mobilized segment (bonded)";
+    case predict::TissueInterface::kContact:
+      return "pushed by a mobilized segment, without friction (contact)";
+    default:
+      return "bonded, elevated near osteotomies, sliding at teeth and joints (clinical)";
+  }
+}
+
+std::string outer_boundary_in_words(predict::OuterBoundary boundary) {
+  switch (boundary) {
+    case predict::OuterBoundary::kFree:
+      return "free";
+    case predict::OuterBoundary::kFixed:
+      return "fixed";
+    case predict::OuterBoundary::kFoundation:
+      return "elastic foundation";
+    default:
+      return "roller: no normal displacement";
+  }
+}
+
 report::ReportTable parameter_table(const PreparedCase& prepared,
                                     const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
-  const bool is_contact = plan.boundary.segment_interface == predict::SegmentInterface::kSliding;
+  const bool is_contact = plan.boundary.interface != predict::TissueInterface::kBonded;
   double segments_mm3 = 0.0, fragments_mm3 = 0.0, cell_mm = 0.0;
   double band_mm = std::numeric_limits<double>::infinity();
   Index fragments = 0;
@@ -180,8 +204,9 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"mucosa", mucosa_in_words(plan.tissue)},
            {"muscle", muscle_in_words(plan.tissue)},
            {"regions", predict::describe_regions(prepared.model.tissue, plan.tissue)},
-           {"tissue on the mobilized segment",
-            is_contact ? "slides on the bone without friction" : "moves with the bone (bonded)"},
+           {"interface of tissue and bone", interface_in_words(plan.boundary.interface)},
+           {"where the scan ends", outer_boundary_in_words(plan.boundary.scan_boundary)},
+           {"where the region ends", outer_boundary_in_words(plan.boundary.cut_boundary)},
            {"contact stiffness k_c",
             is_contact ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
                                      prediction.contact_stiffness_mpa_per_mm,
@@ -190,8 +215,6 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"penetration of tissue into the segment before it moves",
             is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
                        : std::string("\u2013")},
-           {"periosteal elevation from stationary bone",
-            fmt::format("within {:.1f} mm of the segment", plan.boundary.elevation_margin_mm)},
            {"distance field of the segment",
             fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
            {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},

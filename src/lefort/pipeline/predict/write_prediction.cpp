@@ -68,7 +68,8 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
 Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepared,
                                  const predict::FacePrediction& prediction, std::size_t segment) {
   const predict::PredictionStep& last = prediction.steps.back();
-  const auto& [X_LB, contact] = last.segments[segment];
+  const auto& [X_LB, contact, supports] = last.segments[segment];
+  static_cast<void>(supports);
   const geometry::TriangleMesh segment_L =
       geometry::transformed(prepared.cut.segments_L[segment], X_LB);
   if (prediction.touched.empty()) return io::write_surface(file, segment_L);

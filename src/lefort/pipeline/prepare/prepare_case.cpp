@@ -11,6 +11,8 @@
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
+#include <lefort/plan/elevation_zone.h>
+#include <lefort/predict/interface_supports.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/path_overlaps.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -116,11 +118,11 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
 /// The mesh with regions and boundary conditions.
 ///
 /// \param painted  boundary conditions painted by the user, or null.
-Result<mesh::VolumeMesh> make_tissue(const io::PlanFile& plan, const ScannedHead& head,
-                                     const geometry::TriangleMesh& skin_L,
-                                     const BonesAndFields& bones,
-                                     const predict::BoundaryLabelMap* painted,
-                                     const StageCache& cache, Progress& progress) {
+Result<predict::TissueBoundary> make_tissue(const io::PlanFile& plan, const ScannedHead& head,
+                                            const geometry::TriangleMesh& skin_L,
+                                            const BonesAndFields& bones,
+                                            const predict::BoundaryLabelMap* painted,
+                                            const StageCache& cache, Progress& progress) {
   const image::CtVolume& ct = head.scan.ct;
   const geometry::TriangleMesh& remainder_L = bones.cut.remainder_L;
   const predict::TissueDomain domain = predict::make_tissue_domain(
@@ -133,14 +135,18 @@ Result<mesh::VolumeMesh> make_tissue(const io::PlanFile& plan, const ScannedHead
                               plan.boundary.contact_snap_mm, key, cache, progress));
   tissue = predict::assign_tissue_regions(std::move(tissue), plan.tissue, head.labels, progress);
   progress.begin_stage("find boundaries");
-  tissue = predict::find_tissue_boundary(std::move(tissue), domain, head.labels, skin_L,
-                                         bones.segments_L, remainder_L, plan.boundary, painted);
-  progress.note(predict::describe_boundary(tissue, plan.boundary));
-  if (painted != nullptr && predict::all_painted_nodes(tissue).empty())
+  const std::vector<plan::ElevationZone> zones =
+      plan::elevation_zones(bones.cut, plan.segments, plan.boundary.elevation_margin_mm);
+  predict::TissueBoundary boundary = predict::find_tissue_boundary(
+      std::move(tissue), domain, head.labels, skin_L,
+      {.segments_L = bones.cut.segments_L, .remainder_L = remainder_L, .elevation = zones},
+      plan.boundary, painted);
+  progress.note(predict::describe_boundary(boundary.tissue, plan.boundary));
+  if (painted != nullptr && predict::all_painted_nodes(boundary.tissue).empty())
     progress.note(
         "warning: boundary.labels has no effect: no node of the tissue's boundary lies in a "
         "painted voxel");
-  return tissue;
+  return boundary;
 }
 
 /// \returns the thickness of the skin's layer, if the plan has a material for skin.
@@ -188,13 +194,17 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head.skull_L, cache, progress));
   LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(bones, plan, cache, progress));
-  LEFORT_TRY(mesh::VolumeMesh tissue, make_tissue(plan, head, skin_L, bones,
-                                                  painted ? &*painted : nullptr, cache, progress));
+  LEFORT_TRY(
+      predict::TissueBoundary boundary,
+      make_tissue(plan, head, skin_L, bones, painted ? &*painted : nullptr, cache, progress));
+  mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer =
       measure_skin_layer(tissue, plan.tissue, quality, progress);
   predict::FaceModel model{std::move(tissue), std::move(bones.segments)};
-  if (model.tissue.face_sets.contains(predict::sets::kStationaryContact)) {
+  model.interface = std::move(boundary.interface);
+  if (model.tissue.face_sets.contains(predict::sets::kStationaryContact) ||
+      predict::slides_on_stationary_bone(model.interface)) {
     LEFORT_TRY(auto stationary_field, find_field("remainder", bones.cut.remainder_L,
                                                  bones.field_options, cache, progress));
     model.stationary_bone =

@@ -131,11 +131,12 @@ Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
     names.push_back({{"value", int(style.label)}, {"name", style.name}, {"color", style.color}});
   const auto plan = io::read_plan(served.folder.plan());
   const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
-  return json_response({{"names", names},
-                        {"contact_snap_mm", options.contact_snap_mm},
-                        {"elevation_margin_mm", options.elevation_margin_mm},
-                        {"rules", rules_json(options)},
-                        {"areas", areas_json(served.folder)}});
+  return json_response(
+      {{"names", names},
+       {"contact_snap_mm", options.contact_snap_mm},
+       {"elevation_margin_mm", options.elevation_margin_mm.value_or(predict::kElevationMargin_mm)},
+       {"rules", rules_json(options)},
+       {"areas", areas_json(served.folder)}});
 }
 
 Response get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {

@@ -1,0 +1,74 @@
+#include <lefort/contact/measure_gap.h>
+#include <lefort/contact/support_term.h>
+#include <lefort/core/check.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lefort::contact {
+
+SupportTerm::SupportTerm(std::span<const Vec3> nodes_L, std::vector<NodalSupport> supports,
+                         RigidObstacle obstacle)
+    : supports_(std::move(supports)), obstacle_(std::move(obstacle)) {
+  const RigidTransform X_BL = obstacle_.X_LB.inverse();
+  for (NodalSupport& support : supports_) {
+    LEFORT_CHECK(support.area_mm2 > 0.0);
+    const Vec3& x_L = nodes_L[std::size_t(support.node)];
+    rest_B_.push_back(X_BL * x_L);
+    rest_gap_mm_.push_back(0.0);
+    if (!support.follows_surface) continue;
+    LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
+    rest_gap_mm_.back() = measure_gap(obstacle_, x_L, Derivatives::kFirst).gap_mm;
+  }
+}
+
+SupportTerm::Opening SupportTerm::opening_of(std::size_t support, const Vec3& x_L) const {
+  const NodalSupport& of = supports_[support];
+  const Mat3 R_LB = obstacle_.X_LB.linear();
+  const Vec3 slip_L = x_L - obstacle_.X_LB * rest_B_[support];
+  Opening opening{.tangential_L = slip_L,
+                  .normal_L = R_LB * of.normal_B,
+                  .gradient_L = Vec3::Zero(),
+                  .hessian_L = Mat3::Zero()};
+  opening.mm = opening.normal_L.dot(slip_L);
+  opening.tangential_L -= opening.mm * opening.normal_L;
+  opening.gradient_L = opening.normal_L;
+  if (!of.follows_surface) return opening;
+  const Gap gap = measure_gap(obstacle_, x_L, Derivatives::kSecond);
+  opening.mm = gap.gap_mm - rest_gap_mm_[support];
+  opening.gradient_L = gap.gradient_L;
+  opening.hessian_L = gap.hessian_L;
+  return opening;
+}
+
+bool SupportTerm::evaluate(Index item, std::span<const Vec3> x_L,
+                           fem::LocalEquations& local) const {
+  const NodalSupport& support = supports_[std::size_t(item)];
+  const Opening opening = opening_of(std::size_t(item), x_L[0]);
+  if (!x_L[0].allFinite() || !std::isfinite(opening.mm)) return false;
+  const double A = support.area_mm2, k_t = support.tangential_mpa_per_mm;
+  const double k_n = support.may_separate && opening.mm > 0.0 ? 0.0 : support.normal_mpa_per_mm;
+  local.energy_mj =
+      0.5 * A * (k_n * opening.mm * opening.mm + k_t * opening.tangential_L.squaredNorm());
+  local.residual_n = A * (k_n * opening.mm * opening.gradient_L + k_t * opening.tangential_L);
+  if (!local.wants_stiffness()) return true;
+  const Vec3 &n = opening.normal_L, &m = opening.gradient_L;
+  Mat3 K = k_n * m * m.transpose() + k_t * (Mat3::Identity() - n * n.transpose());
+  if (local.tangent == fem::Tangent::kExact) K += k_n * opening.mm * opening.hessian_L;
+  local.stiffness_n_per_mm = A * K;
+  return true;
+}
+
+SupportStatistics SupportTerm::summarize(std::span<const Vec3> x_L) const {
+  SupportStatistics all{.nodes = item_count()};
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    const Opening opening = opening_of(s, x_L[std::size_t(supports_[s].node)]);
+    all.max_slip_mm = std::max(all.max_slip_mm, opening.tangential_L.norm());
+    all.max_opening_mm = std::max(all.max_opening_mm, opening.mm);
+    all.max_compression_mm = std::max(all.max_compression_mm, -opening.mm);
+  }
+  return all;
+}
+
+}  // namespace lefort::contact

@@ -1,0 +1,261 @@
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/predict/distance_to_label.h>
+#include <lefort/predict/interface_map.h>
+#include <lefort/predict/skin_faces.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+constexpr double kFar_mm = std::numeric_limits<double>::infinity();
+/// Sliding tissue this close to air may separate from its bone: two voxels of a clinical scan.
+constexpr double kNearAir_mm = 2.0;
+
+/// Distance to a surface, infinite if it is empty or further than `within_mm`.
+double distance_mm(const geometry::Bvh* surface, const Vec3& p_L, double within_mm = kFar_mm) {
+  if (surface == nullptr) return kFar_mm;
+  const auto closest = surface->closest_point(p_L, within_mm);
+  return closest ? closest->distance_mm : kFar_mm;
+}
+
+std::unique_ptr<const geometry::Bvh> tree_of(const geometry::TriangleMesh& surface_L) {
+  if (surface_L.triangles.empty()) return nullptr;
+  return std::make_unique<const geometry::Bvh>(surface_L);
+}
+
+/// The set of a boundary node (tissue_boundary.h).
+enum class BoundarySet : std::uint8_t { kCut, kScan, kSegment, kStationary, kBrain, kSkin, kRest };
+
+std::vector<BoundarySet> sets_of_nodes(const mesh::VolumeMesh& tissue) {
+  std::vector<BoundarySet> set_of(tissue.nodes_L.size(), BoundarySet::kRest);
+  const std::array<std::pair<const char*, BoundarySet>, 6> known{
+      {{sets::kCut, BoundarySet::kCut},
+       {sets::kScanBoundary, BoundarySet::kScan},
+       {sets::kMobilizedSegment, BoundarySet::kSegment},
+       {sets::kStationaryBone, BoundarySet::kStationary},
+       {sets::kBrain, BoundarySet::kBrain},
+       {sets::kSkin, BoundarySet::kSkin}}};
+  for (const auto& [name, set] : known)
+    for (const std::int32_t node : tissue.node_sets.at(name)) set_of[std::size_t(node)] = set;
+  return set_of;
+}
+
+InterfaceCondition condition_of(OuterBoundary boundary) {
+  switch (boundary) {
+    case OuterBoundary::kFree:
+      return InterfaceCondition::kFree;
+    case OuterBoundary::kFixed:
+      return InterfaceCondition::kFixed;
+    case OuterBoundary::kFoundation:
+      return InterfaceCondition::kFoundation;
+    default:
+      return InterfaceCondition::kRoller;
+  }
+}
+
+/// The rules, and what they measure.
+class InterfaceRules {
+ public:
+  InterfaceRules(const anatomy::LabelMap& labels, const InterfaceBones& bones,
+                 const BoundaryOptions& options)
+      : labels_(labels), options_(options), zones_(bones.elevation) {
+    for (const geometry::TriangleMesh& segment_L : bones.segments_L)
+      segments_.push_back(tree_of(segment_L));
+    remainder_ = tree_of(bones.remainder_L);
+    for (const plan::ElevationZone& zone : zones_) cuts_.push_back(tree_of(zone.cut_faces_L));
+  }
+
+  /// Condition by rule of a node at `p_L`.
+  [[nodiscard]] NodeInterface by_rule(const Vec3& p_L, BoundarySet set) const {
+    if (set == BoundarySet::kCut || set == BoundarySet::kScan) return outer(p_L, set);
+    if (set == BoundarySet::kSegment) return on_segment(p_L, closest_segment(p_L).first);
+    if (set == BoundarySet::kStationary) return on_stationary(p_L, InterfaceRule::kStationary);
+    if (set == BoundarySet::kBrain) return on_stationary(p_L, InterfaceRule::kBrain);
+    if (set == BoundarySet::kSkin)
+      return {.condition = InterfaceCondition::kFree, .rule = InterfaceRule::kSkin};
+    return {.condition = pushed(), .rule = InterfaceRule::kAir};
+  }
+
+  /// Condition by a painted label.
+  [[nodiscard]] NodeInterface painted(const Vec3& p_L, BoundaryLabel label) const {
+    NodeInterface node{.rule = InterfaceRule::kPainted};
+    const auto [segment, segment_mm] = closest_segment(p_L);
+    const bool is_on_segment = segment_mm <= distance_mm(remainder_.get(), p_L, segment_mm);
+    const std::int32_t bone = is_on_segment ? segment : kStationaryBone;
+    switch (label) {
+      case BoundaryLabel::kFixed:
+        node.condition = InterfaceCondition::kFixed;
+        return node;
+      case BoundaryLabel::kWithSegment:
+        node.condition = InterfaceCondition::kBonded;
+        node.bone = segment;
+        return node;
+      case BoundaryLabel::kBonded:
+        node.condition = InterfaceCondition::kBonded;
+        node.bone = bone;
+        return node;
+      case BoundaryLabel::kElevated:
+        node.condition = InterfaceCondition::kElevated;
+        node.bone = bone;
+        return node;
+      case BoundaryLabel::kSliding:
+        node.condition = InterfaceCondition::kSliding;
+        node.bone = bone;
+        node.may_separate = is_near_air(p_L);
+        return node;
+      default:  // Free, or contact with all bones (face sets of tissue_boundary.h).
+        node.condition = InterfaceCondition::kContact;
+        return node;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_clinical() const {
+    return options_.interface == TissueInterface::kClinical;
+  }
+  /// Inner surface that no bone holds.
+  [[nodiscard]] InterfaceCondition pushed() const { return InterfaceCondition::kContact; }
+
+  [[nodiscard]] std::pair<std::int32_t, double> closest_segment(const Vec3& p_L) const {
+    std::pair<std::int32_t, double> best{0, kFar_mm};
+    for (std::size_t k = 0; k < segments_.size(); ++k)
+      if (const double mm = distance_mm(segments_[k].get(), p_L); mm < best.second)
+        best = {std::int32_t(k), mm};
+    return best;
+  }
+
+  [[nodiscard]] bool is_near_air(const Vec3& p_L) const {
+    return distance_to_label(labels_, anatomy::Tissue::kAirway, p_L, kNearAir_mm) <= kNearAir_mm;
+  }
+
+  /// Whether an osteotomy elevates tissue at a point of `bone`.
+  [[nodiscard]] bool is_elevated(const Vec3& p_L, std::int32_t bone) const {
+    for (std::size_t k = 0; k < zones_.size(); ++k) {
+      const plan::ElevationMargins& margins = zones_[k].margins;
+      const double margin_mm = bone == std::int32_t(k) ? margins.segment_mm : margins.stationary_mm;
+      if (distance_mm(cuts_[k].get(), p_L, margin_mm) < margin_mm) return true;
+    }
+    return false;
+  }
+
+  /// Whether bone that moves relative to `bone` is near.
+  [[nodiscard]] bool is_in_joint(const Vec3& p_L, std::int32_t bone) const {
+    const double margin_mm = options_.joint_margin_mm;
+    if (bone != kStationaryBone && distance_mm(remainder_.get(), p_L, margin_mm) < margin_mm)
+      return true;
+    for (std::size_t k = 0; k < segments_.size(); ++k)
+      if (bone != std::int32_t(k) && distance_mm(segments_[k].get(), p_L, margin_mm) < margin_mm)
+        return true;
+    return false;
+  }
+
+  [[nodiscard]] NodeInterface on_segment(const Vec3& p_L, std::int32_t segment) const {
+    if (is_clinical()) return on_bone(p_L, segment, InterfaceRule::kSegment);
+    const bool is_bonded = options_.interface == TissueInterface::kBonded;
+    return {.condition = is_bonded ? InterfaceCondition::kBonded : InterfaceCondition::kContact,
+            .rule = InterfaceRule::kSegment,
+            .bone = segment};
+  }
+
+  [[nodiscard]] NodeInterface on_stationary(const Vec3& p_L, InterfaceRule rule) const {
+    if (is_clinical()) return on_bone(p_L, kStationaryBone, rule);
+    const double margin_mm = options_.elevation_margin_mm.value_or(kElevationMargin_mm);
+    if (closest_segment(p_L).second < margin_mm)
+      return {.condition = pushed(), .rule = InterfaceRule::kOsteotomy};
+    return {.condition = InterfaceCondition::kBonded, .rule = rule, .bone = kStationaryBone};
+  }
+
+  [[nodiscard]] NodeInterface on_bone(const Vec3& p_L, std::int32_t bone,
+                                      InterfaceRule rule) const {
+    NodeInterface node{.condition = InterfaceCondition::kBonded, .rule = rule, .bone = bone};
+    if (is_elevated(p_L, bone)) {
+      node.condition = InterfaceCondition::kElevated;
+      node.rule = InterfaceRule::kOsteotomy;
+    } else if (is_in_joint(p_L, bone)) {
+      node.condition = InterfaceCondition::kSliding;
+      node.rule = InterfaceRule::kJoint;
+      node.may_separate = is_near_air(p_L);
+    }
+    return node;
+  }
+
+  /// Where the mesh ends. kClinical: bone that the plane crosses holds its tissue there, too.
+  [[nodiscard]] NodeInterface outer(const Vec3& p_L, BoundarySet set) const {
+    const bool is_cut = set == BoundarySet::kCut;
+    if (is_clinical()) {
+      const double snap_mm = options_.contact_snap_mm;
+      const auto [segment, mm] = closest_segment(p_L);
+      if (mm <= snap_mm) return on_segment(p_L, segment);
+      if (distance_mm(remainder_.get(), p_L, snap_mm) <= snap_mm)
+        return on_stationary(p_L, InterfaceRule::kStationary);
+    }
+    return {.condition = condition_of(is_cut ? options_.cut_boundary : options_.scan_boundary),
+            .rule = is_cut ? InterfaceRule::kCutBoundary : InterfaceRule::kScanBoundary};
+  }
+
+  const anatomy::LabelMap& labels_;
+  const BoundaryOptions& options_;
+  std::span<const plan::ElevationZone> zones_;
+  std::vector<std::unique_ptr<const geometry::Bvh>> segments_, cuts_;
+  std::unique_ptr<const geometry::Bvh> remainder_;
+};
+
+}  // namespace
+
+const InterfaceConditionStyle& style_of(InterfaceCondition condition) {
+  for (const InterfaceConditionStyle& style : kInterfaceConditions)
+    if (style.condition == condition) return style;
+  LEFORT_CHECK(false);
+  return kInterfaceConditions.front();
+}
+
+const InterfaceRuleStyle& style_of(InterfaceRule rule) {
+  for (const InterfaceRuleStyle& style : kInterfaceRules)
+    if (style.rule == rule) return style;
+  LEFORT_CHECK(false);
+  return kInterfaceRules.front();
+}
+
+InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDomain& domain,
+                                const anatomy::LabelMap& labels, const InterfaceBones& bones,
+                                const BoundaryOptions& options, const BoundaryLabelMap* painted) {
+  const InterfaceRules rules(labels, bones, options);
+  const std::vector<std::int32_t>& boundary = tissue.node_sets.at("boundary");
+  const std::vector<BoundarySet> set_of = sets_of_nodes(tissue);
+  InterfaceMap map;
+  map.nodes.resize(boundary.size());
+  parallel_for(std::ssize(boundary), [&](Index n) {
+    const std::int32_t node = boundary[std::size_t(n)];
+    const Vec3& p_L = tissue.nodes_L[std::size_t(node)];
+    const BoundaryLabel label = painted ? painted_at(*painted, p_L) : BoundaryLabel::kNone;
+    NodeInterface& decided = map.nodes[std::size_t(n)];
+    decided = label != BoundaryLabel::kNone ? rules.painted(p_L, label)
+                                            : rules.by_rule(p_L, set_of[std::size_t(node)]);
+    decided.node = node;
+  });
+  for (const NodeInterface& one : map.nodes)
+    if (one.condition == InterfaceCondition::kRoller ||
+        one.condition == InterfaceCondition::kFoundation)
+      for (const Vec3& normal_L :
+           domain.planes_at(tissue.nodes_L[std::size_t(one.node)], kPlaneTolerance_mm))
+        map.planes.push_back({one.node, normal_L});
+  return map;
+}
+
+std::vector<std::int32_t> nodes_with(const InterfaceMap& map,
+                                     std::span<const InterfaceCondition> conditions) {
+  std::vector<std::int32_t> nodes;
+  for (const NodeInterface& one : map.nodes)
+    if (std::find(conditions.begin(), conditions.end(), one.condition) != conditions.end())
+      nodes.push_back(one.node);
+  return nodes;
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,134 @@
+/// \file
+/// The interface map: a boundary condition for each node of the tissue boundary, and the rule that
+/// set it. Described in docs/theory/interface.md.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/core/types.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/mesh/volume_mesh.h>
+#include <lefort/plan/elevation_zone.h>
+#include <lefort/predict/boundary_labels.h>
+#include <lefort/predict/prediction_options.h>
+#include <lefort/predict/tissue_domain.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lefort::predict {
+
+/// Boundary condition of a node of the tissue boundary.
+enum class InterfaceCondition : std::uint8_t {
+  kFree,        ///< No traction: skin.
+  kContact,     ///< Bones push it, without friction; nothing holds it.
+  kBonded,      ///< Moves with its bone.
+  kElevated,    ///< Elastic layer on its bone, with normal and tangential stiffness.
+  kSliding,     ///< Stays on its bone, moves freely along it.
+  kFixed,       ///< Does not move, and lies on no bone.
+  kRoller,      ///< OuterBoundary::kRoller.
+  kFoundation,  ///< OuterBoundary::kFoundation.
+};
+
+/// What decided the condition of a node.
+enum class InterfaceRule : std::uint8_t {
+  kPainted,       ///< boundary.labels.
+  kOsteotomy,     ///< Bone near an osteotomy.
+  kJoint,         ///< Bone near bone that moves relative to it: teeth, joint.
+  kSegment,       ///< A mobilized segment.
+  kStationary,    ///< Stationary bone.
+  kBrain,         ///< Border of the cranial cavity.
+  kScanBoundary,  ///< The scan ends here.
+  kCutBoundary,   ///< The region ends here.
+  kSkin,          ///< Outer surface.
+  kAir,           ///< Inner surface that lies on no bone: airway, sinus, oral cavity.
+};
+
+/// Name and letter of a condition in results.
+struct InterfaceConditionStyle {
+  InterfaceCondition condition;
+  const char* name;
+  char letter;
+};
+inline constexpr std::array<InterfaceConditionStyle, 8> kInterfaceConditions{{
+    {InterfaceCondition::kFree, "free", 'f'},
+    {InterfaceCondition::kContact, "contact", 'c'},
+    {InterfaceCondition::kBonded, "bonded", 'b'},
+    {InterfaceCondition::kElevated, "elevated", 'e'},
+    {InterfaceCondition::kSliding, "sliding", 's'},
+    {InterfaceCondition::kFixed, "fixed", 'x'},
+    {InterfaceCondition::kRoller, "roller", 'r'},
+    {InterfaceCondition::kFoundation, "foundation", 'w'},
+}};
+
+/// Name and letter of a rule in results.
+struct InterfaceRuleStyle {
+  InterfaceRule rule;
+  const char* name;
+  char letter;
+};
+inline constexpr std::array<InterfaceRuleStyle, 10> kInterfaceRules{{
+    {InterfaceRule::kPainted, "painted", 'p'},
+    {InterfaceRule::kOsteotomy, "osteotomy", 'o'},
+    {InterfaceRule::kJoint, "joint", 'j'},
+    {InterfaceRule::kSegment, "segment", 'm'},
+    {InterfaceRule::kStationary, "stationary bone", 't'},
+    {InterfaceRule::kBrain, "brain", 'n'},
+    {InterfaceRule::kScanBoundary, "scan boundary", 'd'},
+    {InterfaceRule::kCutBoundary, "cut boundary", 'u'},
+    {InterfaceRule::kSkin, "skin", 'k'},
+    {InterfaceRule::kAir, "air", 'a'},
+}};
+
+[[nodiscard]] const InterfaceConditionStyle& style_of(InterfaceCondition condition);
+[[nodiscard]] const InterfaceRuleStyle& style_of(InterfaceRule rule);
+
+/// Values of NodeInterface::bone that are not the index of a segment.
+inline constexpr std::int32_t kStationaryBone = -1, kNoBone = -2;
+
+/// Condition of one node.
+struct NodeInterface {
+  std::int32_t node = 0;
+  InterfaceCondition condition = InterfaceCondition::kFree;
+  InterfaceRule rule = InterfaceRule::kAir;
+  std::int32_t bone = kNoBone;  ///< Index of the segment, kStationaryBone or kNoBone.
+  bool may_separate = false;    ///< kSliding: air is near, so that no tension holds it.
+};
+
+/// A node that stays in a plane: a roller.
+struct NodePlane {
+  std::int32_t node = 0;
+  Vec3 normal_L = Vec3::UnitZ();  ///< Unit length.
+};
+
+/// Conditions of all nodes of the tissue boundary.
+struct InterfaceMap {
+  std::vector<NodeInterface> nodes;  ///< Ascending by node.
+  std::vector<NodePlane> planes;  ///< Of the nodes with kRoller and kFoundation; one or more each.
+};
+
+/// The bones around the tissue.
+struct InterfaceBones {
+  std::span<const geometry::TriangleMesh> segments_L;
+  const geometry::TriangleMesh& remainder_L;
+  std::span<const plan::ElevationZone> elevation;  ///< Used by TissueInterface::kClinical.
+};
+
+/// Decides the condition of every boundary node.
+///
+/// \param tissue   mesh with the node sets of name_tissue_boundary().
+/// \param domain   its planes are used.
+/// \param labels   of the scan; airway is used.
+/// \param bones    at rest.
+/// \param options  interface, boundaries and distances.
+/// \param painted  may be null; its labels override the rules.
+[[nodiscard]] InterfaceMap make_interface_map(
+    const mesh::VolumeMesh& tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
+    const InterfaceBones& bones, const BoundaryOptions& options, const BoundaryLabelMap* painted);
+
+/// Nodes with one of the conditions, ascending.
+[[nodiscard]] std::vector<std::int32_t> nodes_with(const InterfaceMap& map,
+                                                   std::span<const InterfaceCondition> conditions);
+
+}  // namespace lefort::predict
