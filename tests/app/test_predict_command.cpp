@@ -321,7 +321,7 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
 /// Where tissue is bonded, paint that releases it changes no other set than its own.
 TEST_F(PredictCommand, StepsWithOtherPaintAreNotResumed) {
   json plan = small_plan();
-  plan["boundary"] = {{"segment_interface", "bonded"}, {"labels", "painted.seg.nrrd"}};
+  plan["boundary"] = {{"interface", "bonded"}, {"labels", "painted.seg.nrrd"}};
   write_plan(plan);
   paint(folder_ / "painted.seg.nrrd", "free");
   const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};

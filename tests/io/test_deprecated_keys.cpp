@@ -52,15 +52,15 @@ TEST(DeprecatedKeys, PlanIsReadWithOneWarningForEachName) {
   EXPECT_EQ(plan.segments[0].cut.min_piece_fraction, 0.125);
   EXPECT_EQ(plan.segments[0].path.keyframes[0].path_fraction, 0.5);
   EXPECT_EQ(plan.segments[1].cut_from, "front");
-  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kBonded);
-  EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFixed);
+  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kBonded);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kFixed);
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
   EXPECT_EQ(plan.boundary.contact_snap_mm, 0.5);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(plan.solver.min_increment_ratio, 0.25);
   ASSERT_EQ(plan.warnings.size(), deprecated_in_plans().keys.size() + 1);  // And one value.
   EXPECT_EQ(plan.warnings.front(), "segments[].from is deprecated, use cut_from");
-  EXPECT_EQ(plan.warnings.back(), "boundary.segment_interface: attached is deprecated, use bonded");
+  EXPECT_EQ(plan.warnings.back(), "boundary.interface: attached is deprecated, use bonded");
 }
 
 TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {

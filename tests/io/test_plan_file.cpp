@@ -36,7 +36,7 @@ Json good_plan() {
     }],
     "tissue": {"material": {"law": "neo-hookean", "young_kpa": 20, "poisson": 0.4},
                "element_size_mm": 3},
-    "boundary": {"segment_interface": "bonded", "scan_boundary": "fixed", "elevation_margin_mm": 5,
+    "boundary": {"interface": "bonded", "scan_boundary": "fixed", "elevation_margin_mm": 5,
                  "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
                 "penetration_tolerance_mm": 0.05},
@@ -66,8 +66,8 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_NEAR(plan.tissue.young_mpa, 0.02, 1e-15);
   EXPECT_EQ(plan.tissue.poisson, 0.4);
   EXPECT_EQ(plan.tissue.element_size_mm, 3.0);
-  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kBonded);
-  EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFixed);
+  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kBonded);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kFixed);
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
   EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
@@ -88,7 +88,7 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_FALSE(plan.ct);
   EXPECT_FALSE(plan.boundary_labels);
   EXPECT_EQ(plan.tissue.poisson, predict::TissueOptions{}.poisson);
-  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kSliding);
+  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kContact);
 }
 
 TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreRequested) {

@@ -109,8 +109,8 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
   EXPECT_TRUE(
       is_preset("skin-barbarino-2011", plan.tissue.skin->young_mpa, plan.tissue.skin->poisson));
   EXPECT_EQ(segment.path.interpolation, geometry::Interpolation::kStraight);
-  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kSliding);
-  EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFree);
+  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kContact);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kFree);
   EXPECT_EQ(segment.path.keyframes[0].path_fraction, frame.path_fraction);
   EXPECT_FALSE(segment.osteotomy.planes[0].bounds);
   expect_defaults(
@@ -143,7 +143,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/tissue/element_size_mm", plan.tissue.element_size_mm},
        {"/tissue/far_element_size_mm", plan.tissue.far_element_size_mm},
        {"/tissue/margin_mm", plan.tissue.margin_mm},
-       {"/boundary/segment_interface", "sliding"},
+       {"/boundary/interface", "sliding"},
        {"/boundary/scan_boundary", "free"},
        {"/boundary/elevation_margin_mm", plan.boundary.elevation_margin_mm},
        {"/boundary/contact_snap_mm", plan.boundary.contact_snap_mm},

@@ -140,7 +140,7 @@ TEST(AssignMuscle, AStiffMuscleStrainsLessInAPrediction) {
   // The slope of vertical displacement over height inside the ball, by least squares.
   const auto strain_of = [&](double young_mpa) {
     PredictionOptions options;
-    options.boundary.segment_interface = SegmentInterface::kBonded;
+    options.boundary.interface = TissueInterface::kBonded;
     options.tissue.muscle = MuscleOptions{young_mpa, options.tissue.poisson};
     const auto found = predict_face(model, {test::straight({0.0, 0.0, -0.2}, 1)}, options).value();
     EXPECT_TRUE(found.converged());

@@ -166,8 +166,7 @@ TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
 }
 
 TEST(BoundaryLabels, FreeOverridesABondedInterface) {
-  const BoundaryOptions boundary{.segment_interface = SegmentInterface::kBonded,
-                                 .elevation_margin_mm = 0.0};
+  const BoundaryOptions boundary{.interface = TissueInterface::kBonded, .elevation_margin_mm = 0.0};
   EXPECT_LT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kFree));
   EXPECT_GT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 0.01);

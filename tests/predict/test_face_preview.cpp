@@ -12,10 +12,10 @@ namespace lefort::predict::test_face_preview {
 namespace {
 
 FacePreview preview_of(const FaceModel& model,
-                       SegmentInterface segment_interface = SegmentInterface::kSliding) {
-  return FacePreview(make_preview_model(model, test::surface_of(model), {},
-                                        {.segment_interface = segment_interface}, Vec3::Ones())
-                         .value());
+                       TissueInterface interface = TissueInterface::kContact) {
+  return FacePreview(
+      make_preview_model(model, test::surface_of(model), {}, {.interface = interface}, Vec3::Ones())
+          .value());
 }
 
 RigidTransform shift(const Vec3& by_mm) {
@@ -25,13 +25,13 @@ RigidTransform shift(const Vec3& by_mm) {
 }
 
 /// Largest distance at the surface between a preview and a prediction [mm].
-double distance_mm(const FaceModel& model, SegmentInterface segment_interface, const Vec3& by_mm) {
+double distance_mm(const FaceModel& model, TissueInterface interface, const Vec3& by_mm) {
   PredictionOptions options;
-  options.boundary.segment_interface = segment_interface;
+  options.boundary.interface = interface;
   const auto prediction = predict_face(model, {test::straight(by_mm, 2)}, options).value();
   EXPECT_TRUE(prediction.converged());
   const auto preview_mm =
-      preview_of(model, segment_interface).displacement_mm(std::array{shift(by_mm)}).value();
+      preview_of(model, interface).displacement_mm(std::array{shift(by_mm)}).value();
   double max_mm = 0.0;
   for (const mesh::Face& face : mesh::boundary_faces(model.tissue))
     for (const std::int32_t node : nodes_of(face))
@@ -72,8 +72,8 @@ TEST(FacePreview, UsesTheMaterialOfSkin) {
 
 TEST(FacePreview, OfBondedTissueIsThePredictionToFirstOrder) {
   const FaceModel model = test::block_on_slab();
-  const double far_mm = distance_mm(model, SegmentInterface::kBonded, {0.4, 0.2, 0.4});
-  const double near_mm = distance_mm(model, SegmentInterface::kBonded, {0.1, 0.05, 0.1});
+  const double far_mm = distance_mm(model, TissueInterface::kBonded, {0.4, 0.2, 0.4});
+  const double near_mm = distance_mm(model, TissueInterface::kBonded, {0.1, 0.05, 0.1});
   EXPECT_LT(far_mm, 0.1);
   EXPECT_LT(near_mm, 0.02);
 }
@@ -96,7 +96,7 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsCloseToThePrediction) {
   const auto& painted = model.tissue.node_sets.at("painted_with_segment");
   ASSERT_GT(painted.size(), 5U);
   const Vec3 by_mm{0.2, 0.3, 0.3};
-  EXPECT_LT(distance_mm(model, SegmentInterface::kSliding, by_mm), 0.08);
+  EXPECT_LT(distance_mm(model, TissueInterface::kContact, by_mm), 0.08);
   const auto unpainted_mm =
       preview_of(test::block_on_slab()).displacement_mm(std::array{shift(by_mm)}).value();
   // Painted tissue is also pulled; other tissue lifts off.
@@ -122,7 +122,7 @@ TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
 
 TEST(FacePreview, OfPushedTissueIsCloseToThePrediction) {
   // Both are compliant: the penalty of the prediction, the supports of the preview.
-  EXPECT_LT(distance_mm(test::block_on_slab(), SegmentInterface::kSliding, {0.0, 0.0, 0.5}), 0.1);
+  EXPECT_LT(distance_mm(test::block_on_slab(), TissueInterface::kContact, {0.0, 0.0, 0.5}), 0.1);
 }
 
 TEST(FacePreview, TissueSlidesAndLiftsOff) {

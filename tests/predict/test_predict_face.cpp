@@ -191,7 +191,7 @@ TEST(PredictFace, ARetreatingBoneLeavesTissueWhereItIs) {
 TEST(PredictFace, BondedTissueMovesExactlyWithTheBone) {
   const FaceModel model = block_on_slab();
   PredictionOptions options;
-  options.boundary.segment_interface = SegmentInterface::kBonded;
+  options.boundary.interface = TissueInterface::kBonded;
   geometry::RigidPath path = straight({0.5, 0.0, -1.0}, 3);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.0, 0.1);
   path.keyframes[0].center_L = Vec3(6.0, 6.0, 0.0);
@@ -386,7 +386,7 @@ TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
   BoundaryOptions boundary;
   const auto smooth = contact::DetectionMethod::kSmooth;
   EXPECT_FALSE(check_reach({far}, model.segments, smooth, boundary));
-  boundary.segment_interface = SegmentInterface::kBonded;
+  boundary.interface = TissueInterface::kBonded;
   EXPECT_TRUE(check_reach({far}, model.segments, smooth, boundary));
 }
 

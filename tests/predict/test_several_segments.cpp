@@ -115,17 +115,16 @@ TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
 }
 
 TEST(SeveralSegments, TwoPiecesThatMoveAsOneActAsOneBone) {
-  for (const SegmentInterface segment_interface :
-       {SegmentInterface::kSliding, SegmentInterface::kBonded}) {
+  for (const TissueInterface interface : {TissueInterface::kContact, TissueInterface::kBonded}) {
     PredictionOptions options;
-    options.boundary.segment_interface = segment_interface;
+    options.boundary.interface = interface;
     options.contact.penetration_tolerance_mm = 0.01;
     const auto one = face(long_block({{-4.0, 67.0}}), {named("whole", kUpAndAside)}, options);
     const auto two =
         face(two_adjacent(), {named("left", kUpAndAside), named("right", kUpAndAside)}, options);
     // Multipliers stop at their tolerance, and each bone has its own field. If tissue along the cut
     // rested on both bones, an edge would drag it by 0.4 mm.
-    const double far_mm = segment_interface == SegmentInterface::kSliding ? 0.1 : 1e-12;
+    const double far_mm = interface == TissueInterface::kContact ? 0.1 : 1e-12;
     for (std::size_t n = 0; n < one.size(); ++n) EXPECT_LT((one[n] - two[n]).norm(), far_mm);
   }
 }
@@ -133,7 +132,7 @@ TEST(SeveralSegments, TwoPiecesThatMoveAsOneActAsOneBone) {
 TEST(SeveralSegments, BondedTissueMovesWithTheClosestSegment) {
   const FaceModel model = two_adjacent();
   PredictionOptions options;
-  options.boundary.segment_interface = SegmentInterface::kBonded;
+  options.boundary.interface = TissueInterface::kBonded;
   geometry::RigidPath left = named("left", {-0.3, 0.0, 0.5}),
                       right = named("right", {0.3, 0.0, -0.5});
   right.keyframes[0].rotation_rad = Vec3(0.0, 0.02, 0.0);

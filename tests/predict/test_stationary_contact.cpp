@@ -54,7 +54,7 @@ FaceModel sliding_block() {
 
 PredictionOptions bonded_options() {
   PredictionOptions options;
-  options.boundary.segment_interface = SegmentInterface::kBonded;
+  options.boundary.interface = TissueInterface::kBonded;
   return options;
 }
 

@@ -76,14 +76,14 @@ TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
 }
 
 TEST(TissueBoundary, FixesTheScanBoundaryOnlyIfRequired) {
-  const auto prescribed = [](ScanBoundary edge) {
+  const auto prescribed = [](OuterBoundary edge) {
     const mesh::VolumeMesh tissue = phantom_tissue({.scan_boundary = edge});
     const auto fixed = nodes_where(tissue, sets::kFixed);
     const auto& nodes = tissue.node_sets.at(sets::kScanBoundary);
     return std::all_of(nodes.begin(), nodes.end(), [&](auto n) { return fixed.count(n) > 0; });
   };
-  EXPECT_TRUE(prescribed(ScanBoundary::kFixed));
-  EXPECT_FALSE(prescribed(ScanBoundary::kFree));
+  EXPECT_TRUE(prescribed(OuterBoundary::kFixed));
+  EXPECT_FALSE(prescribed(OuterBoundary::kFree));
 }
 
 TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {

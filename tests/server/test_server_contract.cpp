@@ -240,7 +240,7 @@ TEST(ServerContract, ResponsesOfAWholeCaseMatchTheContract) {
   call_api("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
   const json boundary = json::parse(call_api("GET", "/boundary", "/boundary").text);
   EXPECT_EQ(boundary["areas"]["stage"], "preview");
-  plan["boundary"] = {{"segment_interface", "bonded"}};
+  plan["boundary"] = {{"interface", "bonded"}};
   call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});
   EXPECT_NE(body_of(call_api("POST", "/preview", "/preview", back.dump())), preview);

@@ -334,8 +334,7 @@ TEST(CaseApi, APlanWithDeprecatedKeysIsReadWithTheNewOnes) {
   const Response stored = api.put("/plan", plan);
   ASSERT_EQ(stored.status, 200) << stored.text;
   const json read = json::parse(body_of(api.call_api("GET", "/plan")));
-  EXPECT_EQ(read["boundary"],
-            json({{"elevation_margin_mm", 5.0}, {"segment_interface", "bonded"}}));
+  EXPECT_EQ(read["boundary"], json({{"elevation_margin_mm", 5.0}, {"interface", "bonded"}}));
   EXPECT_EQ(read["segments"], plan["segments"]);
   ASSERT_EQ(api.put("/plan", read).status, 200);
   EXPECT_EQ(json::parse(body_of(api.call_api("GET", "/plan"))), read);

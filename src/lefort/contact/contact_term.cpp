@@ -243,6 +243,13 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   return true;
 }
 
+std::string ContactTerm::inadmissible_cause() const {
+  return fmt::format(
+      "tissue lies deeper in {} than its distance field reaches, {:.2f} mm "
+      "(field.band_mm)",
+      name_, obstacle_.distance_query_B->max_distance_mm());
+}
+
 ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
   ContactStatisticsSum sum;
   for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)

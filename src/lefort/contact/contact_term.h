@@ -104,6 +104,8 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
+  [[nodiscard]] std::string inadmissible_cause() const override;
+
   /// Accepts the present state at the present pose and adds the area that has tunneled since the
   /// last accepted state to ContactStatistics::tunnelled_area_mm2.
   /// \param x_L  current positions of all nodes [mm].

@@ -16,6 +16,7 @@ SupportTerm::SupportTerm(std::span<const Vec3> nodes_L, std::vector<NodalSupport
     LEFORT_CHECK(support.area_mm2 > 0.0);
     const Vec3& x_L = nodes_L[std::size_t(support.node)];
     rest_B_.push_back(X_BL * x_L);
+    rest_L_.push_back(x_L);
     rest_gap_mm_.push_back(0.0);
     if (!support.follows_surface) continue;
     LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
@@ -25,10 +26,14 @@ SupportTerm::SupportTerm(std::span<const Vec3> nodes_L, std::vector<NodalSupport
 
 SupportTerm::Opening SupportTerm::opening_of(std::size_t support, const Vec3& x_L) const {
   const NodalSupport& of = supports_[support];
-  const Mat3 R_LB = obstacle_.X_LB.linear();
-  const Vec3 slip_L = x_L - obstacle_.X_LB * rest_B_[support];
+  Vec3 target_L = obstacle_.X_LB * rest_B_[support], normal_L = of.normal_B;
+  if (of.motion_fraction == 1.0)
+    normal_L = obstacle_.X_LB.linear() * of.normal_B;
+  else
+    target_L = rest_L_[support] + of.motion_fraction * (target_L - rest_L_[support]);
+  const Vec3 slip_L = x_L - target_L;
   Opening opening{.tangential_L = slip_L,
-                  .normal_L = R_LB * of.normal_B,
+                  .normal_L = normal_L,
                   .gradient_L = Vec3::Zero(),
                   .hessian_L = Mat3::Zero()};
   opening.mm = opening.normal_L.dot(slip_L);
@@ -61,8 +66,10 @@ bool SupportTerm::evaluate(Index item, std::span<const Vec3> x_L,
 }
 
 SupportStatistics SupportTerm::summarize(std::span<const Vec3> x_L) const {
-  SupportStatistics all{.nodes = item_count()};
+  SupportStatistics all;
   for (std::size_t s = 0; s < supports_.size(); ++s) {
+    if (supports_[s].motion_fraction < 1.0) continue;
+    ++all.nodes;
     const Opening opening = opening_of(s, x_L[std::size_t(supports_[s].node)]);
     all.max_slip_mm = std::max(all.max_slip_mm, opening.tangential_L.norm());
     all.max_opening_mm = std::max(all.max_opening_mm, opening.mm);

@@ -34,9 +34,13 @@ struct NodalSupport {
   double tangential_mpa_per_mm = 0.0;  ///< k_t >= 0.
   bool follows_surface = false;        ///< e is measured by the distance query of the bone.
   bool may_separate = false;           ///< No tension along the normal.
+  /// Fraction w of the motion of the bone that the support follows, 0 to 1. Below 1, X moves by
+  /// w (X_LB X - X) and the normal keeps its direction in L.
+  double motion_fraction = 1.0;
 };
 
-/// Motion of supported tissue relative to its bone.
+/// Motion of supported tissue relative to its bone, without supports that follow a fraction of its
+/// motion.
 struct SupportStatistics {
   Index nodes = 0;
   double max_slip_mm = 0.0;         ///< Of |s_t|.
@@ -81,6 +85,7 @@ class SupportTerm final : public fem::ForceTerm {
 
   std::vector<NodalSupport> supports_;
   std::vector<Vec3> rest_B_;         ///< X of each support.
+  std::vector<Vec3> rest_L_;         ///< The same point in L, at rest.
   std::vector<double> rest_gap_mm_;  ///< g(X); 0 if the support does not follow the surface.
   RigidObstacle obstacle_;
 };

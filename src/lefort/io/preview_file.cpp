@@ -73,6 +73,7 @@ Result<void> write_preview_model(const std::filesystem::path& file,
     rows.push_back(support.row);
     is_bilateral.push_back(support.is_bilateral ? 1 : 0);
     stiffness.push_back(support.n_per_mm);
+    stiffness.push_back(support.motion_fraction);
     places.insert(places.end(), support.point_L.begin(), support.point_L.end());
     places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
   }
@@ -116,7 +117,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
     return row >= -1 && row + 3 < std::int32_t(columns.size());
   };
   if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
-      is_bilateral.size() != rows.size() || stiffness.size() != rows.size() ||
+      is_bilateral.size() != rows.size() || stiffness.size() != 2 * rows.size() ||
       places.size() != 6 * rows.size() || nodes.size() % 3 != 0 || weights.size() != nodes.size() ||
       rest.size() != 2 || !(rest[1] >= 1.0 && rest[1] < 1e6) || segments.size() != rows.size() ||
       !std::all_of(segments.begin(), segments.end(),
@@ -131,7 +132,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
     model.supports.push_back({segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]),
-                              is_bilateral[s] != 0, stiffness[s]});
+                              is_bilateral[s] != 0, stiffness[2 * s], stiffness[2 * s + 1]});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
     model.skin.embedded_vertices.push_back(
         {{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});

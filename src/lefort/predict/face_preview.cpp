@@ -98,7 +98,8 @@ void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
                               .point_L = model.tissue.nodes_L[std::size_t(one.node)],
                               .direction_L = direction_L,
                               .is_bilateral = true,
-                              .n_per_mm = one.area_mm2 * mpa_per_mm});
+                              .n_per_mm = one.area_mm2 * mpa_per_mm,
+                              .motion_fraction = one.motion_fraction});
     }
   };
   for (std::size_t k = 0; k < all.on_segments.size(); ++k) add(all.on_segments[k], std::int32_t(k));
@@ -224,7 +225,8 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
     const Vec3& p = model.supports[s].point_L;
     const std::int32_t segment = model.supports[s].segment;
     if (segment >= 0)
-      pushed_mm[s] = model.supports[s].direction_L.dot(X_LB[std::size_t(segment)] * p - p);
+      pushed_mm[s] = model.supports[s].motion_fraction *
+                     model.supports[s].direction_L.dot(X_LB[std::size_t(segment)] * p - p);
     is_at_rest = is_at_rest && std::abs(pushed_mm[s]) < kAtRest_mm;
     active[s] = model.supports[s].is_bilateral || pushed_mm[s] > 0.0;
   }

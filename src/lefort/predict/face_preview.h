@@ -31,6 +31,7 @@ struct PreviewModel {
     Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone if unilateral.
     bool is_bilateral = false;        ///< Pulls too; bonded tissue has three of these.
     double n_per_mm = 0.0;            ///< Stiffness; 0: support_n_per_mm.
+    double motion_fraction = 1.0;     ///< Of the segment's motion that the support follows.
   };
   std::vector<Support> supports;
   double support_n_per_mm = 0.0;  ///< Stiffness of a support.

@@ -18,6 +18,9 @@ constexpr double kFar_mm = std::numeric_limits<double>::infinity();
 /// Sliding tissue this close to air may separate from its bone: two voxels of a clinical scan.
 constexpr double kNearAir_mm = 2.0;
 
+/// A bone this close to a plane crosses it: two voxels, because surfaces end inside the scan.
+constexpr double kCrosses_mm = 2.0;
+
 /// Distance to a surface, infinite if it is empty or further than `within_mm`.
 double distance_mm(const geometry::Bvh* surface, const Vec3& p_L, double within_mm = kFar_mm) {
   if (surface == nullptr) return kFar_mm;
@@ -83,6 +86,25 @@ class InterfaceRules {
     return {.condition = pushed(), .rule = InterfaceRule::kAir};
   }
 
+  /// The plane at a node, with the motion of a segment that crosses it. The fraction is the weight
+  /// of that segment against the stationary bone, by inverse squared distance (\cite shepard1968).
+  [[nodiscard]] NodePlane plane_at(const Vec3& p_L, const Vec3& normal_L) const {
+    NodePlane plane{.normal_L = normal_L};
+    double nearest_mm = kFar_mm;
+    for (std::size_t k = 0; k < segments_.size(); ++k) {
+      if (!crosses(segments_[k].get(), p_L, normal_L)) continue;
+      const double mm = distance_mm(segments_[k].get(), p_L);
+      if (mm >= nearest_mm) continue;
+      nearest_mm = mm;
+      plane.segment = std::int32_t(k);
+    }
+    if (plane.segment == kStationaryBone) return plane;
+    const double other_mm = distance_mm(remainder_.get(), p_L);
+    const double ratio = nearest_mm / other_mm;  // 0 without stationary bone.
+    plane.motion_fraction = 1.0 / (1.0 + ratio * ratio);
+    return plane;
+  }
+
   /// Condition by a painted label.
   [[nodiscard]] NodeInterface painted(const Vec3& p_L, BoundaryLabel label) const {
     NodeInterface node{.rule = InterfaceRule::kPainted};
@@ -117,6 +139,15 @@ class InterfaceRules {
   }
 
  private:
+  /// Whether a surface reaches the plane through `p_L`.
+  [[nodiscard]] static bool crosses(const geometry::Bvh* surface, const Vec3& p_L,
+                                    const Vec3& normal_L) {
+    if (surface == nullptr) return false;
+    return std::any_of(
+        surface->mesh().vertices.begin(), surface->mesh().vertices.end(),
+        [&](const Vec3& vertex_L) { return normal_L.dot(vertex_L - p_L) <= kCrosses_mm; });
+  }
+
   [[nodiscard]] bool is_clinical() const {
     return options_.interface == TissueInterface::kClinical;
   }
@@ -240,12 +271,19 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
                                             : rules.by_rule(p_L, set_of[std::size_t(node)]);
     decided.node = node;
   });
+  std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)
     if (one.condition == InterfaceCondition::kRoller ||
         one.condition == InterfaceCondition::kFoundation)
       for (const Vec3& normal_L :
            domain.planes_at(tissue.nodes_L[std::size_t(one.node)], kPlaneTolerance_mm))
-        map.planes.push_back({one.node, normal_L});
+        planes.push_back({one.node, normal_L});
+  map.planes.resize(planes.size());
+  parallel_for(std::ssize(planes), [&](Index n) {
+    const auto& [node, normal_L] = planes[std::size_t(n)];
+    map.planes[std::size_t(n)] = rules.plane_at(tissue.nodes_L[std::size_t(node)], normal_L);
+    map.planes[std::size_t(n)].node = node;
+  });
   return map;
 }
 

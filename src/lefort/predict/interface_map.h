@@ -96,10 +96,13 @@ struct NodeInterface {
   bool may_separate = false;    ///< kSliding: air is near, so that no tension holds it.
 };
 
-/// A node that stays in a plane: a roller.
+/// A node in a plane where the mesh ends. Where a segment crosses that plane, the segment continues
+/// beyond the scan and takes tissue along: the node then follows a fraction of its motion.
 struct NodePlane {
   std::int32_t node = 0;
-  Vec3 normal_L = Vec3::UnitZ();  ///< Unit length.
+  Vec3 normal_L = Vec3::UnitZ();           ///< Unit length.
+  std::int32_t segment = kStationaryBone;  ///< Index of the segment that crosses, if any.
+  double motion_fraction = 0.0;            ///< 0 to 1.
 };
 
 /// Conditions of all nodes of the tissue boundary.

@@ -60,12 +60,15 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
         map.nodes.begin(), map.nodes.end(), plane.node,
         [](const NodeInterface& one, std::int32_t node) { return one.node < node; });
     const bool is_roller = at->condition == InterfaceCondition::kRoller;
-    supports.on_planes.push_back(
+    auto& list =
+        plane.segment >= 0 ? supports.on_segments[std::size_t(plane.segment)] : supports.on_planes;
+    list.push_back(
         {.node = plane.node,
          .area_mm2 = area_mm2,
          .normal_B = plane.normal_L,
          .normal_mpa_per_mm = is_roller ? roller_mpa_per_mm : foundation.normal_mpa_per_mm,
-         .tangential_mpa_per_mm = is_roller ? 0.0 : foundation.tangential_mpa_per_mm});
+         .tangential_mpa_per_mm = is_roller ? 0.0 : foundation.tangential_mpa_per_mm,
+         .motion_fraction = plane.segment >= 0 ? plane.motion_fraction : 0.0});
   }
   return supports;
 }

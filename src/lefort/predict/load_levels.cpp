@@ -44,10 +44,10 @@ std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths
 
 int increments_of_step(const TissueOptions& tissue, const std::vector<geometry::RigidPath>& paths,
                        const std::vector<MovedSegment>& segments, double max_distance_mm) {
-  constexpr double kElementFraction = 0.25, kDistanceFraction = 0.5;  // docs/theory/contact.md
-  constexpr double kRoundOff = 1e-9;  // Of the number of increments.
-  const double max_mm =
-      std::min(kElementFraction * tissue.element_size_mm, kDistanceFraction * max_distance_mm);
+  constexpr double kDistanceFraction = 0.5;  // docs/theory/contact.md
+  constexpr double kRoundOff = 1e-9;         // Of the number of increments.
+  const double max_mm = std::min(kIncrementElementFraction * tissue.element_size_mm,
+                                 kDistanceFraction * max_distance_mm);
   const double step_mm = max_speed_mm(paths, segments) / geometry::steps_of(paths);
   return int(std::max(std::ceil(step_mm / max_mm - kRoundOff), 1.0));
 }

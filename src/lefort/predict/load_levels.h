@@ -24,6 +24,9 @@ struct LoadLevel {
 [[nodiscard]] std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths,
                                                  int increments);
 
+/// Largest motion of a segment in one increment, as a fraction of the element size.
+inline constexpr double kIncrementElementFraction = 0.25;
+
 /// Number of equal increments of a step. In one increment no vertex of a segment moves further
 /// than a quarter of an element, or than half of `max_distance_mm` (docs/theory/contact.md, Load
 /// stepping). Plans that differ only in their number of steps can thus have the same increments.

@@ -3,6 +3,8 @@
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/assembly_plan.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -190,6 +192,22 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   sum.energy_round_off_mj =
       std::numeric_limits<double>::epsilon() * (energy_magnitude + magnitudes.dot(x_L.cwiseAbs()));
   return sum;
+}
+
+std::string Assembler::inadmissible_cause(const VectorX& u) const {
+  const VectorX x_L = plan_->positions_L(u);
+  if (!x_L.allFinite()) return "a displacement is not finite";
+  std::array<double, 3 * kMaxLocalNodes> forces_n{};
+  for (const Chunk& chunk : plan_->layout.chunks)
+    for (const PlannedItem& item : chunk.items) {
+      const ForceTerm& term = plan_->term(item);
+      const ItemState state = evaluate_item(term, item.item, x_L, forces_n.data(), nullptr);
+      if (std::isfinite(state.energy_mj)) continue;
+      const Vec3 at_L = x_L.segment<3>(3 * Index(term.nodes(item.item).front()));
+      return fmt::format("{} at ({:.1f}, {:.1f}, {:.1f}) mm", term.inadmissible_cause(), at_L.x(),
+                         at_L.y(), at_L.z());
+    }
+  return {};
 }
 
 linear::SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lefort::fem {
@@ -64,6 +65,11 @@ class Assembler {
   /// \param u  displacements of all components [mm].
   /// \returns the forces, or nothing if an item is inadmissible at u.
   [[nodiscard]] std::optional<AssembledForces> forces(const VectorX& u) const;
+
+  /// \param u  displacements of all components [mm].
+  /// \returns why forces() returns nothing: the cause of the first inadmissible item and its
+  ///   position; empty if u is admissible.
+  [[nodiscard]] std::string inadmissible_cause(const VectorX& u) const;
 
   /// \param u     displacements of all components [mm]; \pre admissible.
   /// \param kind  of the tangent; not kAntisymmetric.

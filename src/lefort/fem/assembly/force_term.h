@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace lefort::fem {
 
@@ -59,6 +60,9 @@ class ForceTerm {
   ///   that items have in common.
   [[nodiscard]] virtual bool evaluate(Index item, std::span<const Vec3> x_L,
                                       LocalEquations& local) const = 0;
+
+  /// \returns why evaluate() returns false, for messages: a clause without a full stop.
+  [[nodiscard]] virtual std::string inadmissible_cause() const { return "an element is inverted"; }
 
   /// \param dofs  which components are free.
   /// \returns whether the residual, summed over all items, is the gradient of the energy by the

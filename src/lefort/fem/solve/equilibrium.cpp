@@ -29,6 +29,10 @@ class FreeComponents final : public NonlinearSystem {
                          .deepest_mm = forces->deepest_mm};
   }
 
+  [[nodiscard]] std::string inadmissible_cause(const VectorX& x) const override {
+    return assembler_.inadmissible_cause(all(x));
+  }
+
   [[nodiscard]] linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
     return assembler_.tangent(all(x), kind);
   }

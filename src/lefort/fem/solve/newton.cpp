@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <string>
 #include <utility>
 
 namespace lefort::fem {
@@ -75,8 +77,7 @@ class NewtonIteration {
     model_ = direction->model;
     std::optional<Step> step = find_step(*direction);
     if (!step && is_round_off(at_, options_)) return End{NewtonStop::kConverged, "converged"};
-    if (!step)
-      return End{NewtonStop::kStagnated, "no step along the search direction is acceptable"};
+    if (!step) return End{NewtonStop::kStagnated, cause_of_stagnation(direction->dx)};
 
     const int stalled = stagnation_.stalled_steps(at_, step->to, model_.diagonal_shift > 0.0);
     at_ = std::move(step->to);
@@ -84,6 +85,15 @@ class NewtonIteration {
     if (stalled >= options_.stagnation_iterations && !has_converged())
       return End{NewtonStop::kStagnated, fmt::format("no progress for {} iterations", stalled)};
     return std::nullopt;
+  }
+
+  /// Why no step along `dx` was acceptable: what limits the shortest and the full step.
+  [[nodiscard]] std::string cause_of_stagnation(const VectorX& dx) const {
+    const double shortest = std::pow(kMinContraction, options_.max_backtracks);
+    for (const double length : {shortest, 1.0})
+      if (const std::string cause = system_.inadmissible_cause(at_.x + length * dx); !cause.empty())
+        return fmt::format("no step along the search direction is acceptable, because {}", cause);
+    return "no step along the search direction reduces the energy";
   }
 
   std::optional<Step> find_step(const SearchDirection& direction) {
@@ -163,8 +173,10 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   if (!first) {
     enter(SolvePhase::kNone, options);
     NewtonOutcome outcome;
+    const std::string cause = system.inadmissible_cause(start);
     outcome.x = std::move(start);
-    outcome.reason = "the start is inadmissible: an element is inverted or a force is not finite";
+    outcome.reason = fmt::format("the start is inadmissible: {}",
+                                 cause.empty() ? "a force is not finite" : cause);
     return outcome;
   }
   return internal::NewtonIteration(system, linear_solver, options, progress, *std::move(first))

@@ -36,6 +36,9 @@ class NonlinearSystem {
   /// \returns the residual at x, or nothing if x is inadmissible: an element is inverted, or NaN.
   [[nodiscard]] virtual std::optional<ResidualState> residual_state(const VectorX& x) const = 0;
 
+  /// \returns why x is inadmissible, for messages; empty if it is admissible or unknown.
+  [[nodiscard]] virtual std::string inadmissible_cause(const VectorX& /*x*/) const { return {}; }
+
   /// \returns the symmetric part of dr/dx or its PSD projection [N/mm]: the lower triangle with the
   ///   whole diagonal, always with the same pattern.
   /// \pre x is admissible.

@@ -248,7 +248,10 @@ void add(io::Sha256& hash, const predict::InterfaceMap& map) {
     static_cast<void>(rule);
   }
   for (const predict::NodePlane& plane : map.planes)
-    hash.add(double(plane.node)).add(plane.normal_L);
+    hash.add(double(plane.node))
+        .add(plane.normal_L)
+        .add(double(plane.segment))
+        .add(plane.motion_fraction);
 }
 
 }  // namespace

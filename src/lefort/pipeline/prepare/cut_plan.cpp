@@ -8,6 +8,7 @@
 #include <lefort/pipeline/prepare/cached_field.h>
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/cut_segments.h>
+#include <lefort/predict/contact_field.h>
 
 #include <fmt/format.h>
 
@@ -59,7 +60,8 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
-    field::DistanceFieldOptions field_options = plan.field;  // As in prepare_case().
+    field::DistanceFieldOptions field_options = predict::contact_field_options(
+        plan.field, *bone.surface_L, plan.tissue);  // As in prepare_case().
     field_options.smooth =
         !bone.name.empty() && plan.contact.detection == contact::DetectionMethod::kSmooth;
     LEFORT_TRY(const auto field,

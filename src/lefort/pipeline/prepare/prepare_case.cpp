@@ -12,6 +12,7 @@
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/elevation_zone.h>
+#include <lefort/predict/contact_field.h>
 #include <lefort/predict/interface_supports.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/path_overlaps.h>
@@ -50,11 +51,14 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
 
 Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments& cut,
                                                          const field::DistanceFieldOptions& options,
+                                                         const predict::TissueOptions& tissue,
                                                          const StageCache& cache,
                                                          Progress& progress) {
   std::vector<predict::MovedSegment> segments;
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) {
-    LEFORT_TRY(auto field, find_field("segment", segment_L, options, cache, progress));
+    LEFORT_TRY(auto field, find_field("segment", segment_L,
+                                      predict::contact_field_options(options, segment_L, tissue),
+                                      cache, progress));
     segments.push_back({segment_L, std::move(field)});
   }
   return segments;
@@ -79,7 +83,8 @@ Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const geometry::Triang
   for (const plan::OsteotomyResult& result : bones.cut.cuts) note_fragments(result, progress);
   bones.field_options = plan.field;
   bones.field_options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
-  LEFORT_TRY(bones.segments, find_segments(bones.cut, bones.field_options, cache, progress));
+  LEFORT_TRY(bones.segments,
+             find_segments(bones.cut, bones.field_options, plan.tissue, cache, progress));
   LEFORT_TRY_VOID(predict::check_reach(plan::paths_of(plan.segments), bones.segments,
                                        plan.contact.detection, plan.boundary));
   return bones;
@@ -90,7 +95,8 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
                                                                   const StageCache& cache,
                                                                   Progress& progress) {
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
-  field::DistanceFieldOptions field_options = prepared.field_options;
+  field::DistanceFieldOptions field_options =
+      predict::contact_field_options(prepared.field_options, remainder_L, plan.tissue);
   field_options.smooth = false;
   LEFORT_TRY(const auto stationary_field,
              find_field("remainder", remainder_L, field_options, cache, progress));
@@ -205,8 +211,11 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   model.interface = std::move(boundary.interface);
   if (model.tissue.face_sets.contains(predict::sets::kStationaryContact) ||
       predict::slides_on_stationary_bone(model.interface)) {
-    LEFORT_TRY(auto stationary_field, find_field("remainder", bones.cut.remainder_L,
-                                                 bones.field_options, cache, progress));
+    LEFORT_TRY(auto stationary_field,
+               find_field("remainder", bones.cut.remainder_L,
+                          predict::contact_field_options(bones.field_options, bones.cut.remainder_L,
+                                                         plan.tissue),
+                          cache, progress));
     model.stationary_bone =
         predict::MovedSegment{bones.cut.remainder_L, std::move(stationary_field)};
   }

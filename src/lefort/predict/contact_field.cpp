@@ -1,0 +1,33 @@
+#include <lefort/geometry/mesh_properties.h>
+#include <lefort/predict/contact_field.h>
+#include <lefort/predict/load_levels.h>
+
+#include <algorithm>
+
+namespace lefort::predict {
+namespace {
+
+/// Penetration that a trial state of Newton's method may have.
+constexpr double kContactBand_mm = 3.0;
+constexpr double kRestDepthFraction = 0.5;  // Of an element: the chord height of a curved face.
+constexpr int kDefaultBandCells = 5;        // field/build/build_distance_field.h
+constexpr double kMaxExtentFraction = 0.4;  // A quarter of the cube is the widest band.
+
+}  // namespace
+
+field::DistanceFieldOptions contact_field_options(field::DistanceFieldOptions options,
+                                                  const geometry::TriangleMesh& surface_B,
+                                                  const TissueOptions& tissue) {
+  if (options.band_mm > 0.0 || options.side_mm > 0.0 || surface_B.vertices.empty()) return options;
+  const double extent_mm = geometry::bounding_box(surface_B).sizes().maxCoeff();
+  const double wanted_mm =
+      kContactBand_mm +
+      (kRestDepthFraction + 0.5 * kIncrementElementFraction) * tissue.element_size_mm;
+  const int cells = options.resolution - 2 * kDefaultBandCells;
+  const double default_mm = cells > 0 ? kDefaultBandCells * extent_mm / cells : 0.0;
+  if (default_mm >= wanted_mm) return options;
+  options.band_mm = std::min(wanted_mm, kMaxExtentFraction * extent_mm);
+  return options;
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,23 @@
+/// \file
+/// Options of the distance field of a bone that contact uses.
+#pragma once
+
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/predict/prediction_options.h>
+
+namespace lefort::predict {
+
+/// Chooses the band of a field if `options` do not. Tissue must stay within the band: it is at
+/// least kContactBand_mm, plus half an element for the depth of the mesh in the bone at rest, plus
+/// half of the longest increment (load_levels.h); and at least the default band of the field.
+///
+/// \param options    of the plan.
+/// \param surface_B  of the bone.
+/// \param tissue     its element size is used.
+/// \returns the options with band_mm, unless band_mm or side_mm was given.
+[[nodiscard]] field::DistanceFieldOptions contact_field_options(
+    field::DistanceFieldOptions options, const geometry::TriangleMesh& surface_B,
+    const TissueOptions& tissue);
+
+}  // namespace lefort::predict
