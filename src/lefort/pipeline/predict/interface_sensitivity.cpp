@@ -1,5 +1,6 @@
 #include <lefort/pipeline/predict/interface_sensitivity.h>
 #include <lefort/predict/embed_skin.h>
+#include <lefort/predict/load_levels.h>
 #include <lefort/predict/predict_face.h>
 
 #include <fmt/format.h>
@@ -26,9 +27,18 @@ predict::TissueOptions coarse(const predict::TissueOptions& fine) {
   return options;
 }
 
-/// One step; the solver divides it into increments.
-std::vector<geometry::RigidPath> in_one_step(std::vector<geometry::RigidPath> paths) {
-  for (geometry::RigidPath& path : paths) path.steps = 1;
+/// The paths in as few steps as the coarse mesh allows (predict/load_levels.h).
+std::vector<geometry::RigidPath> in_coarse_steps(const PreparedCase& prepared,
+                                                 double element_size_mm) {
+  std::vector<geometry::RigidPath> paths = prepared.paths();
+  double moved_mm = 0.0;
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    moved_mm =
+        std::max(moved_mm, geometry::max_displacement_mm(
+                               paths[k], prepared.model.segments[k].surface_B.vertices, 0.0, 1.0));
+  const double step_mm = predict::kIncrementElementFraction * element_size_mm;
+  const int steps = std::max(1, int(std::ceil(moved_mm / step_mm)));
+  for (geometry::RigidPath& path : paths) path.steps = steps;
   return paths;
 }
 
@@ -42,7 +52,7 @@ Result<std::vector<Vec3>> solve(const PreparedCase& prepared, predict::TissueInt
              remodel_face(prepared, tissue, boundary, cache, progress));
   progress.begin_stage(fmt::format("sensitivity: {} interface", name_of(interface)));
   LEFORT_TRY(const predict::FacePrediction prediction,
-             predict::predict_face(model, in_one_step(prepared.paths()),
+             predict::predict_face(model, in_coarse_steps(prepared, tissue.element_size_mm),
                                    {tissue, boundary, prepared.plan.contact, prepared.plan.solver},
                                    {}, progress));
   if (prediction.failure) return tl::unexpected(*prediction.failure);
