@@ -40,7 +40,7 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
   if (map.nodes.empty()) return supports;
   const std::vector<BoundaryNode> nodes = boundary_nodes(tissue);
   const LayerStiffness layer =
-      layer_stiffness(options.young_mpa, options.poisson, boundary.interface_layer_mm);
+      layer_stiffness(kLayerYoung_mpa, kLayerPoisson, boundary.interface_layer_mm);
   for (const NodeInterface& one : map.nodes) {
     if (one.condition != InterfaceCondition::kElevated &&
         one.condition != InterfaceCondition::kSliding)

@@ -18,6 +18,10 @@ struct LayerStiffness {
   double tangential_mpa_per_mm = 0.0;  ///< k_t = mu / t.
 };
 
+/// Moduli of the layer: loose (areolar) connective tissue. Equilibrium modulus in tension of
+/// subcutaneous tissue, 2.75 kPa (\cite iatridis2003); nearly incompressible.
+inline constexpr double kLayerYoung_mpa = 0.00275, kLayerPoisson = 0.49;
+
 /// A layer of thickness t between two bodies acts as springs of stiffness (lambda + 2 mu) / t along
 /// its normal and mu / t along its surface, to first order in t (\cite klarbring1991; \cite
 /// goland1944 for the same springs in a lap joint).
@@ -37,7 +41,7 @@ struct InterfaceSupports {
 /// \param tissue         mesh at rest.
 /// \param map            conditions of its boundary nodes.
 /// \param segment_count  of the plan.
-/// \param options        stiffness of the deep tissue and element size.
+/// \param options        stiffness of the deep tissue beyond a plane, and element size.
 /// \param boundary       thickness of layer and foundation.
 [[nodiscard]] InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue,
                                                    const InterfaceMap& map,

@@ -104,8 +104,7 @@ struct BoundaryOptions {
   /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
   /// osteotomy separates from it, slides: teeth, gingiva, and the joint of the mandible; >= 0.
   double joint_margin_mm = 8.0;
-  /// Thickness of the elastic layer between bone and elevated tissue, > 0: periosteum and healing
-  /// tissue (interface_stiffness.h).
+  /// Thickness of the elastic layer between bone and elevated tissue, > 0 (interface_supports.h).
   double interface_layer_mm = 1.0;
   /// Contact snap distance: boundary within this distance of a bone lies on it.
   double contact_snap_mm = 0.8;

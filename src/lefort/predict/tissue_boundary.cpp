@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -183,6 +184,19 @@ NodeList nodes_with_segment(const mesh::VolumeMesh& tissue, TissueInterface inte
   const auto bonded = tissue.node_sets.find(sets::kBonded);
   if (bonded != tissue.node_sets.end()) return bonded->second;
   return interface == TissueInterface::kBonded ? nodes_on_segment(tissue) : NodeList{};
+}
+
+std::optional<double> distance_to_scan_boundary(const mesh::VolumeMesh& tissue) {
+  const NodeList& ends = tissue.node_sets.at(sets::kScanBoundary);
+  const NodeList& on_segment = tissue.node_sets.at(sets::kMobilizedSegment);
+  if (ends.empty() || on_segment.empty()) return std::nullopt;
+  double squared_mm2 = std::numeric_limits<double>::infinity();
+  for (const std::int32_t end : ends)
+    for (const std::int32_t node : on_segment)
+      squared_mm2 = std::min(
+          squared_mm2,
+          (tissue.nodes_L[std::size_t(node)] - tissue.nodes_L[std::size_t(end)]).squaredNorm());
+  return std::sqrt(squared_mm2);
 }
 
 NodeList all_painted_nodes(const mesh::VolumeMesh& tissue) {

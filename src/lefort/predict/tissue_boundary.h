@@ -63,6 +63,11 @@ struct TissueBoundary {
 [[nodiscard]] std::vector<std::int32_t> nodes_with_segment(const mesh::VolumeMesh& tissue,
                                                            TissueInterface interface);
 
+/// \param tissue  with the sets of find_tissue_boundary().
+/// \returns the smallest distance between tissue on a segment and the scan boundary [mm]; nothing
+///   if the scan does not end within the mesh.
+[[nodiscard]] std::optional<double> distance_to_scan_boundary(const mesh::VolumeMesh& tissue);
+
 /// Boundary nodes that one rule takes, by boundary condition.
 struct BoundaryRuleStatistics {
   std::string set;                  ///< Name of the set of nodes that the rule takes.

@@ -7,6 +7,7 @@
 #include <lefort/pipeline/cache/restart_file.h>
 #include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/predict.h>
+#include <lefort/pipeline/predict/interface_sensitivity.h>
 #include <lefort/pipeline/predict/prediction_pictures.h>
 #include <lefort/pipeline/predict/prediction_report.h>
 #include <lefort/pipeline/predict/write_prediction.h>
@@ -213,11 +214,16 @@ std::vector<Vec3> displace_skin(const PreparedCase& prepared, const predict::Pre
 
 Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
                            const SolvedPath& solved, const std::string& plan_text,
-                           StageTimer& progress) {
+                           const StageCache& cache, StageTimer& progress) {
   const predict::FacePrediction& prediction = solved.prediction;
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = displace_skin(prepared, last);
   const predict::SkinDisplacement skin = predict::measure_skin_displacement(skin_mm);
+  std::optional<InterfaceSensitivity> sensitivity;
+  if (job.sensitivity) {
+    LEFORT_TRY(sensitivity, measure_interface_sensitivity(prepared, cache, progress));
+    progress.note("bonded versus contact interface, coarse mesh: " + in_words(*sensitivity));
+  }
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
@@ -226,10 +232,12 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
   const Timing timing{progress.stages(), solved.step_seconds};
-  const auto json = prediction_json(prepared, prediction, skin, timing);
-  LEFORT_TRY_VOID(write_documents(job.output,
-                                  prediction_report(prepared, prediction, pictures, skin, timing),
-                                  pictures, prepared.quality, plan_text, json));
+  auto json = prediction_json(prepared, prediction, skin, timing);
+  json["interface_sensitivity"] =
+      sensitivity ? as_json(*sensitivity) : nlohmann::ordered_json(nullptr);
+  report::CaseReport report = prediction_report(prepared, prediction, pictures, skin, timing);
+  if (sensitivity) report.tables.insert(report.tables.begin(), as_table(*sensitivity));
+  LEFORT_TRY_VOID(write_documents(job.output, report, pictures, prepared.quality, plan_text, json));
   Summary summary;
   summary.text = fmt::format(
       "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",
@@ -258,7 +266,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& inner) {
   if (!solved.prediction.converged())
     return write_unconverged(job, prepared, solved, plan_text, progress.stages());
   check_penetration(prepared, solved.prediction, progress);
-  return write_face(job, prepared, solved, plan_text, progress);
+  return write_face(job, prepared, solved, plan_text, cache, progress);
 }
 
 }  // namespace lefort::pipeline

@@ -121,38 +121,77 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
   return overlaps;
 }
 
+/// What a face is meshed from.
+struct FaceInputs {
+  const ScannedHead& head;
+  const geometry::TriangleMesh& skin_L;
+  const plan::CutSegments& cut;
+  const std::vector<plan::PlannedSegment>& planned;
+  const predict::BoundaryLabelMap* painted;  ///< Boundary conditions, or null.
+};
+
 /// The mesh with regions and boundary conditions.
-///
-/// \param painted  boundary conditions painted by the user, or null.
-Result<predict::TissueBoundary> make_tissue(const io::PlanFile& plan, const ScannedHead& head,
-                                            const geometry::TriangleMesh& skin_L,
-                                            const BonesAndFields& bones,
-                                            const predict::BoundaryLabelMap* painted,
+Result<predict::TissueBoundary> make_tissue(const FaceInputs& face,
+                                            const predict::TissueOptions& options,
+                                            const predict::BoundaryOptions& boundary,
                                             const StageCache& cache, Progress& progress) {
+  const ScannedHead& head = face.head;
   const image::CtVolume& ct = head.scan.ct;
-  const geometry::TriangleMesh& remainder_L = bones.cut.remainder_L;
+  const geometry::TriangleMesh& remainder_L = face.cut.remainder_L;
+  geometry::TriangleMesh segments_L;
+  for (const geometry::TriangleMesh& segment_L : face.cut.segments_L)
+    plan::append(segments_L, segment_L);
   const predict::TissueDomain domain = predict::make_tissue_domain(
-      anatomy::soft_tissue_level(ct, head.labels, head.levels, progress), ct.grid, bones.segments_L,
-      plan.tissue);
-  const std::string key = tissue_key(head.ct_sha256, head.labels, head.levels, bones.segments_L,
-                                     remainder_L, plan.tissue, plan.boundary.contact_snap_mm);
+      anatomy::soft_tissue_level(ct, head.labels, head.levels, progress), ct.grid, segments_L,
+      options);
+  const std::string key = tissue_key(head.ct_sha256, head.labels, head.levels, segments_L,
+                                     remainder_L, options, boundary.contact_snap_mm);
   LEFORT_TRY(mesh::VolumeMesh tissue,
-             find_tissue_mesh(domain, skin_L, bones.segments_L, remainder_L, plan.tissue,
-                              plan.boundary.contact_snap_mm, key, cache, progress));
-  tissue = predict::assign_tissue_regions(std::move(tissue), plan.tissue, head.labels, progress);
+             find_tissue_mesh(domain, face.skin_L, segments_L, remainder_L, options,
+                              boundary.contact_snap_mm, key, cache, progress));
+  tissue = predict::assign_tissue_regions(std::move(tissue), options, head.labels, progress);
   progress.begin_stage("find boundaries");
   const std::vector<plan::ElevationZone> zones =
-      plan::elevation_zones(bones.cut, plan.segments, plan.boundary.elevation_margin_mm);
-  predict::TissueBoundary boundary = predict::find_tissue_boundary(
-      std::move(tissue), domain, head.labels, skin_L,
-      {.segments_L = bones.cut.segments_L, .remainder_L = remainder_L, .elevation = zones},
-      plan.boundary, painted);
+      plan::elevation_zones(face.cut, face.planned, boundary.elevation_margin_mm);
+  return predict::find_tissue_boundary(
+      std::move(tissue), domain, head.labels, face.skin_L,
+      {.segments_L = face.cut.segments_L, .remainder_L = remainder_L, .elevation = zones}, boundary,
+      face.painted);
+}
+
+/// The field of stationary bone, if tissue meets it.
+Result<std::optional<predict::MovedSegment>> find_stationary_bone(
+    const predict::TissueBoundary& boundary, const geometry::TriangleMesh& remainder_L,
+    const field::DistanceFieldOptions& field_options, const StageCache& cache, Progress& progress) {
+  if (!boundary.tissue.face_sets.contains(predict::sets::kStationaryContact) &&
+      !predict::slides_on_stationary_bone(boundary.interface))
+    return std::nullopt;
+  LEFORT_TRY(auto field, find_field("remainder", remainder_L, field_options, cache, progress));
+  return predict::MovedSegment{remainder_L, std::move(field)};
+}
+
+/// Options of the field of stationary bone.
+field::DistanceFieldOptions stationary_field_options(const io::PlanFile& plan,
+                                                     const geometry::TriangleMesh& remainder_L) {
+  field::DistanceFieldOptions options =
+      predict::contact_field_options(plan.field, remainder_L, plan.tissue);
+  options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
+  return options;
+}
+
+/// Reports the conditions of the boundary, paint without effect, and a scan that ends too close.
+void note_boundary(const predict::TissueBoundary& boundary, const io::PlanFile& plan,
+                   bool is_painted, Progress& progress) {
   progress.note(predict::describe_boundary(boundary.tissue, plan.boundary));
-  if (painted != nullptr && predict::all_painted_nodes(boundary.tissue).empty())
+  if (is_painted && predict::all_painted_nodes(boundary.tissue).empty())
     progress.note(
         "warning: boundary.labels has no effect: no node of the tissue's boundary lies in a "
         "painted voxel");
-  return boundary;
+  if (const auto mm = predict::distance_to_scan_boundary(boundary.tissue))
+    progress.note(
+        fmt::format("warning: the scan ends {:.1f} mm from a mobilized segment, within "
+                    "the region of interest; the face is less certain there ({})",
+                    *mm, name_of(plan.boundary.scan_boundary)));
 }
 
 /// \returns the thickness of the skin's layer, if the plan has a material for skin.
@@ -187,8 +226,8 @@ Provenance provenance_of(const io::PlanFile& plan, const std::string& plan_sha25
 Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                   const fs::path& ct_path, const StageCache& cache,
                                   Progress& progress) {
-  LEFORT_TRY(const ScannedHead head, scan_head(plan, ct_path, cache, progress));
-  const image::Grid& grid = head.scan.ct.grid;
+  LEFORT_TRY(ScannedHead head, scan_head(plan, ct_path, cache, progress));
+  const image::Grid grid = head.scan.ct.grid;
   LEFORT_TRY_VOID(predict::check_muscle_labels(plan.tissue, head.labels));
   std::optional<predict::BoundaryLabelMap> painted;
   if (plan.boundary_labels) {
@@ -200,25 +239,22 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head.skull_L, cache, progress));
   LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(bones, plan, cache, progress));
+  LEFORT_TRY(predict::TissueBoundary boundary,
+             make_tissue({head, skin_L, bones.cut, plan.segments, painted ? &*painted : nullptr},
+                         plan.tissue, plan.boundary, cache, progress));
+  note_boundary(boundary, plan, painted.has_value(), progress);
   LEFORT_TRY(
-      predict::TissueBoundary boundary,
-      make_tissue(plan, head, skin_L, bones, painted ? &*painted : nullptr, cache, progress));
+      std::optional<predict::MovedSegment> stationary_bone,
+      find_stationary_bone(boundary, bones.cut.remainder_L,
+                           stationary_field_options(plan, bones.cut.remainder_L), cache, progress));
   mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer =
       measure_skin_layer(tissue, plan.tissue, quality, progress);
-  predict::FaceModel model{std::move(tissue), std::move(bones.segments)};
-  model.interface = std::move(boundary.interface);
-  if (model.tissue.face_sets.contains(predict::sets::kStationaryContact) ||
-      predict::slides_on_stationary_bone(model.interface)) {
-    LEFORT_TRY(auto stationary_field,
-               find_field("remainder", bones.cut.remainder_L,
-                          predict::contact_field_options(bones.field_options, bones.cut.remainder_L,
-                                                         plan.tissue),
-                          cache, progress));
-    model.stationary_bone =
-        predict::MovedSegment{bones.cut.remainder_L, std::move(stationary_field)};
-  }
+  predict::FaceModel model{.tissue = std::move(tissue),
+                           .segments = std::move(bones.segments),
+                           .stationary_bone = std::move(stationary_bone),
+                           .interface = std::move(boundary.interface)};
   Provenance provenance = provenance_of(plan, plan_sha256, head);
   return PreparedCase{std::move(plan),
                       std::move(provenance),
@@ -229,7 +265,28 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                       std::move(model),
                       std::move(quality),
                       std::move(skin_layer),
-                      std::move(overlaps)};
+                      std::move(overlaps),
+                      std::move(head),
+                      std::move(painted)};
+}
+
+Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
+                                        const predict::TissueOptions& tissue,
+                                        const predict::BoundaryOptions& boundary,
+                                        const StageCache& cache, Progress& progress) {
+  LEFORT_TRY(predict::TissueBoundary found,
+             make_tissue({prepared.head, prepared.skin_L, prepared.cut, prepared.plan.segments,
+                          prepared.painted ? &*prepared.painted : nullptr},
+                         tissue, boundary, cache, progress));
+  const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
+  LEFORT_TRY(
+      std::optional<predict::MovedSegment> stationary_bone,
+      find_stationary_bone(found, remainder_L, stationary_field_options(prepared.plan, remainder_L),
+                           cache, progress));
+  return predict::FaceModel{.tissue = std::move(found.tissue),
+                            .segments = prepared.model.segments,
+                            .stationary_bone = std::move(stationary_bone),
+                            .interface = std::move(found.interface)};
 }
 
 }  // namespace lefort::pipeline

@@ -11,6 +11,7 @@
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/layer_thickness.h>
 #include <lefort/pipeline/cache/stage_cache.h>
+#include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/predict/bone_overlap_at_fraction.h>
 #include <lefort/predict/predict_face.h>
@@ -47,6 +48,8 @@ struct PreparedCase {
   std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has a material for skin.
   /// Of each segment with every later one and with the stationary bone, at each step.
   std::vector<predict::BoneOverlapAtFraction> overlaps;
+  ScannedHead head;
+  std::optional<predict::BoundaryLabelMap> painted;  ///< Boundary conditions painted by the user.
 
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
     return plan::paths_of(plan.segments);
@@ -64,5 +67,16 @@ struct PreparedCase {
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
+
+/// The face of a prepared case with another mesh or interface; bones and fields stay.
+///
+/// \param tissue    sizes and materials.
+/// \param boundary  interface and boundaries.
+/// \param cache     of the mesh and of the field of stationary bone.
+/// \returns the model, or what meshing returns.
+[[nodiscard]] Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
+                                                      const predict::TissueOptions& tissue,
+                                                      const predict::BoundaryOptions& boundary,
+                                                      const StageCache& cache, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -1,0 +1,40 @@
+/// \file
+/// How much the predicted face depends on the interface of tissue and bone.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/pipeline/cache/stage_cache.h>
+#include <lefort/pipeline/prepare/prepare_case.h>
+#include <lefort/report/case_report.h>
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <string>
+
+namespace lefort::pipeline {
+
+/// Distance between the faces of the interfaces `bonded` and `contact` at the end of the path, both
+/// solved on the same coarse mesh, over the skin that either of them moves by more than 0.5 mm.
+struct InterfaceSensitivity {
+  double element_size_mm = 0.0;  ///< Of the coarse mesh.
+  double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
+  std::optional<std::string> failure = std::nullopt;  ///< Why there are no distances.
+};
+
+/// \param prepared  the case; its own interface is not used.
+/// \param cache     of the coarse mesh.
+/// \returns the distances; a solve that does not converge is reported as `failure`; or kCancelled.
+[[nodiscard]] Result<InterfaceSensitivity> measure_interface_sensitivity(
+    const PreparedCase& prepared, const StageCache& cache, Progress& progress);
+
+[[nodiscard]] nlohmann::ordered_json as_json(const InterfaceSensitivity& sensitivity);
+
+/// For the report.
+[[nodiscard]] report::ReportTable as_table(const InterfaceSensitivity& sensitivity);
+
+/// "P50 1.3 mm, P90 3.2 mm, P99 6.5 mm", or why it is unknown.
+[[nodiscard]] std::string in_words(const InterfaceSensitivity& sensitivity);
+
+}  // namespace lefort::pipeline
