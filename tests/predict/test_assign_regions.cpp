@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "support/face_phantom.h"
+#include "support/paper_boundary.h"
 #include "support/tissue_block.h"
 
 namespace lefort::predict::test_assign_regions {
@@ -140,7 +141,7 @@ TEST(AssignMuscle, AStiffMuscleStrainsLessInAPrediction) {
   // The slope of vertical displacement over height inside the ball, by least squares.
   const auto strain_of = [&](double young_mpa) {
     PredictionOptions options;
-    options.boundary.interface = TissueInterface::kBonded;
+    options.boundary = test::bonded_boundary();
     options.tissue.muscle = MuscleOptions{young_mpa, options.tissue.poisson};
     const auto found = predict_face(model, {test::straight({0.0, 0.0, -0.2}, 1)}, options).value();
     EXPECT_TRUE(found.converged());

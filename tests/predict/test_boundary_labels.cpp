@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "support/face_phantom.h"
+#include "support/paper_boundary.h"
 #include "support/tissue_block.h"
 
 namespace lefort::predict::test_boundary_labels {
@@ -49,9 +51,10 @@ FaceModel phantom_face(const BoundaryOptions& options, const Painting& label_at 
   static const mesh::VolumeMesh bare = mesh_tissue(domain, phantom.segment_L, kOptions).value();
   const BoundaryLabelMap painted = label_at ? paint(phantom.grid, label_at) : BoundaryLabelMap{};
   FaceModel model;
-  model.tissue =
-      find_tissue_boundary(bare, domain, phantom.labels, phantom.skin_L, phantom.segment_L,
-                           phantom.remainder_L, options, label_at ? &painted : nullptr);
+  TissueBoundary boundary =
+      test::find_phantom_boundary(bare, domain, phantom, options, label_at ? &painted : nullptr);
+  model.tissue = std::move(boundary.tissue);
+  model.interface = std::move(boundary.interface);
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(phantom.segment_L,
                                   {.resolution = 64, .band_mm = 4.0, .smooth = true})
@@ -115,9 +118,10 @@ TEST(BoundaryLabels, TheClosestPaintedVoxelWithinHalfADiagonalDecides) {
 }
 
 TEST(BoundaryLabels, WithoutALabelTheRuleDecides) {
-  const FaceModel by_rule = phantom_face({});
-  const FaceModel painted = phantom_face({}, below(20.0, 26.0, BoundaryLabel::kFixed));
-  const FaceModel blank = phantom_face({}, [](const Vec3&) { return BoundaryLabel::kNone; });
+  const BoundaryOptions boundary = test::paper_boundary();
+  const FaceModel by_rule = phantom_face(boundary);
+  const FaceModel painted = phantom_face(boundary, below(20.0, 26.0, BoundaryLabel::kFixed));
+  const FaceModel blank = phantom_face(boundary, [](const Vec3&) { return BoundaryLabel::kNone; });
   for (const auto& [set, nodes] : by_rule.tissue.node_sets) {
     EXPECT_EQ(blank.tissue.node_sets.at(set), nodes) << set;
     if (set != sets::kFixed) {
@@ -141,21 +145,21 @@ TEST(BoundaryLabels, WithoutALabelTheRuleDecides) {
 }
 
 TEST(BoundaryLabels, FixedOverridesARuleThatFreesTissue) {
-  const BoundaryOptions boundary{.elevation_margin_mm = 9.0};
+  const BoundaryOptions boundary = test::paper_boundary(9.0);
   EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 22.0, 28.0).max_mm, 0.1);
   const FaceModel painted = phantom_face(boundary, below(21.0, 29.0, BoundaryLabel::kFixed));
   EXPECT_EQ(moved_nodes(painted, boundary, 22.0, 28.0).max_mm, 0.0);
 }
 
 TEST(BoundaryLabels, FreeOverridesARuleThatFixesTissue) {
-  const BoundaryOptions boundary{.elevation_margin_mm = 0.0};
+  const BoundaryOptions boundary = test::paper_boundary(0.0);
   EXPECT_EQ(moved_nodes(phantom_face(boundary), boundary, 23.0, 28.0).max_mm, 0.0);
   const FaceModel painted = phantom_face(boundary, below(21.0, 30.0, BoundaryLabel::kFree));
   EXPECT_GT(moved_nodes(painted, boundary, 23.0, 28.0).min_mm, 0.01);
 }
 
 TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
-  const BoundaryOptions boundary{.elevation_margin_mm = 0.0};
+  const BoundaryOptions boundary = test::paper_boundary(0.0);
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kWithSegment));
   EXPECT_LT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-6);
@@ -166,18 +170,22 @@ TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
 }
 
 TEST(BoundaryLabels, FreeOverridesABondedInterface) {
-  const BoundaryOptions boundary{.interface = TissueInterface::kBonded, .elevation_margin_mm = 0.0};
+  const BoundaryOptions boundary = test::bonded_boundary(0.0);
   EXPECT_LT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kFree));
   EXPECT_GT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 0.01);
 }
 
 TEST(BoundaryLabels, EachNodeIsCountedOnce) {
-  const BoundaryOptions boundary{.elevation_margin_mm = 4.0};
+  const BoundaryOptions boundary = test::paper_boundary(4.0);
   const auto label_at = [](const Vec3& p) {
-    if (p.x() < 10.0) return below(4.0, 10.0, BoundaryLabel::kWithSegment)(p);
+    const bool is_front = p.y() < 20.0;
+    if (p.x() < 10.0)
+      return below(4.0, 10.0, is_front ? BoundaryLabel::kWithSegment : BoundaryLabel::kBonded)(p);
+    if (p.x() < 19.0)
+      return below(12.0, 19.0, is_front ? BoundaryLabel::kElevated : BoundaryLabel::kSliding)(p);
     if (p.x() < 25.0) return below(20.0, 25.0, BoundaryLabel::kFixed)(p);
-    return below(26.0, 32.0, p.y() < 20.0 ? BoundaryLabel::kFree : BoundaryLabel::kSlides)(p);
+    return below(26.0, 32.0, is_front ? BoundaryLabel::kFree : BoundaryLabel::kContact)(p);
   };
   const mesh::VolumeMesh tissue = phantom_face(boundary, label_at).tissue;
   Index decided = 0, painted_over = 0, painted = 0, fixed = 0;
@@ -221,7 +229,7 @@ TEST(BoundaryLabels, EachNodeIsCountedOnce) {
   EXPECT_NEAR(by_rule_mm2 + painted_mm2, area_mm2, 1e-9 * area_mm2);
 
   const std::string reported = describe_boundary(tissue, boundary);
-  EXPECT_NE(reported.find("within 4 mm"), std::string::npos) << reported;
+  EXPECT_NE(reported.find("within 0.8 mm"), std::string::npos) << reported;
   EXPECT_NE(reported.find("with segment "), std::string::npos) << reported;
   EXPECT_TRUE(boundary_label_statistics(phantom_face(boundary).tissue).empty());
 }

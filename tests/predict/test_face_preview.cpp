@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "support/paper_boundary.h"
 #include "support/tissue_block.h"
 
 namespace lefort::predict::test_face_preview {
@@ -13,9 +14,10 @@ namespace {
 
 FacePreview preview_of(const FaceModel& model,
                        TissueInterface interface = TissueInterface::kContact) {
+  BoundaryOptions boundary = test::paper_boundary();
+  boundary.interface = interface;
   return FacePreview(
-      make_preview_model(model, test::surface_of(model), {}, {.interface = interface}, Vec3::Ones())
-          .value());
+      make_preview_model(model, test::surface_of(model), {}, boundary, Vec3::Ones()).value());
 }
 
 RigidTransform shift(const Vec3& by_mm) {
@@ -26,7 +28,7 @@ RigidTransform shift(const Vec3& by_mm) {
 
 /// Largest distance at the surface between a preview and a prediction [mm].
 double distance_mm(const FaceModel& model, TissueInterface interface, const Vec3& by_mm) {
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.boundary.interface = interface;
   const auto prediction = predict_face(model, {test::straight(by_mm, 2)}, options).value();
   EXPECT_TRUE(prediction.converged());
@@ -52,7 +54,8 @@ TEST(FacePreview, NoMotionMovesNothing) {
 TEST(FacePreview, UsesTheMaterialOfSkin) {
   TissueOptions options;
   const auto answer = [&](const FaceModel& model) {
-    return FacePreview(make_preview_model(model, test::surface_of(model), options, {}, Vec3::Ones())
+    return FacePreview(make_preview_model(model, test::surface_of(model), options,
+                                          test::paper_boundary(), Vec3::Ones())
                            .value())
         .displacement_mm(std::array{shift({0.0, 0.0, 1.0})})
         .value();
@@ -88,6 +91,7 @@ FaceModel painted_block() {
     if (p.x() < 1e-9 && p.z() > 2.0 && p.z() < 5.0)
       sets_of["painted_with_segment"].push_back(std::int32_t(n));
   }
+  sets_of[sets::kBonded] = sets_of["painted_with_segment"];
   return model;
 }
 
@@ -160,7 +164,8 @@ TEST(FacePreview, RejectsAModelWithoutSupportsOrFixedNodes) {
   FaceModel loose = test::block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
   for (const FaceModel& model : {untouched, loose}) {
-    const auto made = make_preview_model(model, test::surface_of(model), {}, {}, Vec3::Ones());
+    const auto made = make_preview_model(model, test::surface_of(model), {}, test::paper_boundary(),
+                                         Vec3::Ones());
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code, ErrorCode::kAnatomyMissing);
   }

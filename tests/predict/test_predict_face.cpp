@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "support/box_mesh.h"
+#include "support/paper_boundary.h"
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
@@ -32,7 +33,7 @@ using test::straight;
 class PredictFaceWith : public testing::TestWithParam<contact::DetectionMethod> {
  protected:
   [[nodiscard]] static PredictionOptions options() {
-    PredictionOptions options;
+    PredictionOptions options = test::paper_options();
     options.contact.detection = GetParam();
     return options;
   }
@@ -65,10 +66,11 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneExceptForThePenetration) {
 
 TEST(PredictFace, OnASlabDetectionAndIntegrationMethodsAgree) {
   const FaceModel model = block_on_slab();
-  const auto reference = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, {}).value();
+  const auto reference =
+      predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, test::paper_options()).value();
   ASSERT_TRUE(reference.converged());
   for (const auto integration : {contact::Integration::kQuadrature, contact::Integration::kNodes}) {
-    PredictionOptions options;
+    PredictionOptions options = test::paper_options();
     options.contact.detection = contact::DetectionMethod::kBvh;
     options.contact.integration = integration;
     const auto other = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, options).value();
@@ -82,7 +84,7 @@ TEST(PredictFace, OnASlabDetectionAndIntegrationMethodsAgree) {
 
 TEST(PredictFace, MultipliersReachThePenetrationTolerance) {
   const FaceModel model = block_on_ball();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.solver.relative_tolerance = 1e-8;
   const geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 3);
   const auto penalty = predict_face(model, {path}, options).value();
@@ -98,9 +100,10 @@ TEST(PredictFace, MultipliersReachThePenetrationTolerance) {
 
 TEST(PredictFace, StifferContactLeavesLessPenetration) {
   const FaceModel model = block_on_slab();
-  PredictionOptions stiff;
+  PredictionOptions stiff = test::paper_options();
   stiff.contact.stiffness_factor = 100.0;
-  const auto soft = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, {}).value();
+  const auto soft =
+      predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, test::paper_options()).value();
   const auto hard = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, stiff).value();
   ASSERT_TRUE(soft.converged() && hard.converged());
   EXPECT_LT(hard.steps.back().contact().max_penetration_mm,
@@ -109,10 +112,11 @@ TEST(PredictFace, StifferContactLeavesLessPenetration) {
 
 TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // Only ratios matter.
   const FaceModel model = block_on_slab();
-  const auto reference = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, {}).value();
+  const auto reference =
+      predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, test::paper_options()).value();
   ASSERT_TRUE(reference.converged());
   for (const double factor : {7.0, 1e-9}) {
-    PredictionOptions scaled;
+    PredictionOptions scaled = test::paper_options();
     scaled.tissue.young_mpa *= factor;
     const auto other = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, scaled).value();
     ASSERT_TRUE(other.converged()) << "factor " << factor;
@@ -183,14 +187,15 @@ TEST_P(PredictFaceWith, TissueDoesNotTunnelThroughAThinBone) {
 
 TEST(PredictFace, ARetreatingBoneLeavesTissueWhereItIs) {
   const FaceModel model = block_on_slab();
-  const auto prediction = predict_face(model, {straight({0.0, 0.0, -2.0}, 2)}, {}).value();
+  const auto prediction =
+      predict_face(model, {straight({0.0, 0.0, -2.0}, 2)}, test::paper_options()).value();
   ASSERT_TRUE(prediction.converged());
   for (const Vec3& u : prediction.steps.back().displacement_mm) EXPECT_EQ(u, Vec3::Zero());
 }
 
 TEST(PredictFace, BondedTissueMovesExactlyWithTheBone) {
   const FaceModel model = block_on_slab();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.boundary.interface = TissueInterface::kBonded;
   geometry::RigidPath path = straight({0.5, 0.0, -1.0}, 3);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.0, 0.1);
@@ -210,7 +215,7 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
   const FaceModel model = block_on_slab();
   const auto with_threads = [&](int threads) {
     const ThreadLimit limit(threads);
-    return predict_face(model, {straight({0.0, 0.3, 1.0}, 2)}, {}).value();
+    return predict_face(model, {straight({0.0, 0.3, 1.0}, 2)}, test::paper_options()).value();
   };
   const auto one = with_threads(1), two = with_threads(2);
   ASSERT_TRUE(one.converged() && two.converged());
@@ -261,18 +266,18 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
 TEST(PredictFace, ResumedAfterAnyStepGivesTheSameBits) {
   geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
-  expect_same_when_resumed(block_on_ball(), path, {});
+  expect_same_when_resumed(block_on_ball(), path, test::paper_options());
 }
 
 TEST(PredictFace, ResumedWithASkinLayerGivesTheSameBits) {
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.tissue.skin = SkinOptions{};
   expect_same_when_resumed(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
 }
 
 TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
   const FaceModel model = block_on_ball();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.contact.penetration_tolerance_mm = 1e-3;
   options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
   const geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 3);
@@ -317,7 +322,7 @@ TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
 
 TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
   const FaceModel model = block_on_ball();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.solver.relative_tolerance = 1e-8;
   const auto at_end = [&](int steps) {
     return predict_face(model, {straight({1.0, 0.3, 2.0}, steps)}, options).value().steps.back();
@@ -330,7 +335,8 @@ TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
 }
 
 TEST(PredictFace, RejectsAStepBeyondTheBandOfTheField) {
-  const auto refused = predict_face(block_on_slab(), {straight({0.0, 0.0, 7.0}, 2)}, {});
+  const auto refused =
+      predict_face(block_on_slab(), {straight({0.0, 0.0, 7.0}, 2)}, test::paper_options());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kStepBeyondBand);
   EXPECT_NE(refused.error().message.find("at least 3 steps"), std::string::npos)
@@ -341,7 +347,7 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   geometry::RigidPath detour = straight(Vec3::Zero(), 1);
   detour.keyframes.insert(detour.keyframes.begin(),
                           {.path_fraction = 0.4, .translation_mm = {0.0, 0.0, 2.0}});
-  const auto prediction = predict_face(block_on_slab(), {detour}, {}).value();
+  const auto prediction = predict_face(block_on_slab(), {detour}, test::paper_options()).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 1U);
   const auto& attempts = prediction.steps[0].attempts;
@@ -349,12 +355,13 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
     return attempt.t_to == 0.4 && attempt.stop == fem::NewtonStop::kConverged;
   }));
   detour.keyframes[0].translation_mm.z() = 4.0;  // Beyond the band, though it ends where it began.
-  EXPECT_EQ(predict_face(block_on_slab(), {detour}, {}).error().code, ErrorCode::kStepBeyondBand);
+  EXPECT_EQ(predict_face(block_on_slab(), {detour}, test::paper_options()).error().code,
+            ErrorCode::kStepBeyondBand);
 }
 
 TEST(PredictFace, SkinHasTheMaterialOfItsRegion) {
   const geometry::RigidPath path = straight({0.0, 0.0, 1.5}, 3);
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   const auto whole = predict_face(block_on_slab(), {path}, options).value();
   options.tissue.skin =
       SkinOptions{.young_mpa = options.tissue.young_mpa, .poisson = options.tissue.poisson};
@@ -376,14 +383,15 @@ TEST(PredictFace, SkinHasTheMaterialOfItsRegion) {
 }
 
 TEST(PredictFace, ARegionWithoutAMaterialIsRejected) {
-  const auto refused = predict_face(layered_block(), {straight({0.0, 0.0, 1.0}, 1)}, {});
+  const auto refused =
+      predict_face(layered_block(), {straight({0.0, 0.0, 1.0}, 1)}, test::paper_options());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
   const FaceModel model = block_on_slab();
   const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
-  BoundaryOptions boundary;
+  BoundaryOptions boundary = test::paper_boundary();
   const auto smooth = contact::DetectionMethod::kSmooth;
   EXPECT_FALSE(check_reach({far}, model.segments, smooth, boundary));
   boundary.interface = TissueInterface::kBonded;
@@ -391,7 +399,7 @@ TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
 }
 
 TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {
-  PredictionOptions far_capture;
+  PredictionOptions far_capture = test::paper_options();
   far_capture.boundary.contact_snap_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
   EXPECT_EQ(beyond.error().code, ErrorCode::kInvalidArgument);
@@ -399,7 +407,8 @@ TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {
 
   geometry::TriangleMesh open = test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0});
   open.triangles.pop_back();
-  const auto refused = predict_face(block_on(open), {straight({0.0, 0.0, 1.0}, 1)}, {});
+  const auto refused =
+      predict_face(block_on(open), {straight({0.0, 0.0, 1.0}, 1)}, test::paper_options());
   EXPECT_EQ(refused.error().code, ErrorCode::kMeshInvalid);
 }
 
@@ -413,10 +422,10 @@ class Notes final : public Progress {
 TEST(PredictFace, WarnsOfPenetrationAtRest) {
   const geometry::RigidPath path = straight({0.0, 0.0, 0.5}, 1);
   Notes quiet, warned;
-  ASSERT_TRUE(predict_face(block_on_slab(), {path}, {}, {}, quiet));
+  ASSERT_TRUE(predict_face(block_on_slab(), {path}, test::paper_options(), {}, quiet));
   EXPECT_EQ(quiet.all, "");
   const auto deep = predict_face(block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 1.5})),
-                                 {path}, {}, {}, warned)
+                                 {path}, test::paper_options(), {}, warned)
                         .value();
   EXPECT_NEAR(deep.rest_penetration_mm, 1.5, 1e-6);
   EXPECT_NE(warned.all.find("by up to 1.50 mm"), std::string::npos) << warned.all;
@@ -425,19 +434,21 @@ TEST(PredictFace, WarnsOfPenetrationAtRest) {
 TEST(PredictFace, RejectsAModelWithoutContactOrFixedNodes) {
   FaceModel untouched = block_on_slab();
   untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
-  EXPECT_EQ(predict_face(untouched, {straight({0.0, 0.0, 1.0}, 1)}, {}).error().code,
-            ErrorCode::kAnatomyMissing);
+  EXPECT_EQ(
+      predict_face(untouched, {straight({0.0, 0.0, 1.0}, 1)}, test::paper_options()).error().code,
+      ErrorCode::kAnatomyMissing);
   FaceModel unnamed = block_on_slab();
   unnamed.tissue.face_sets.erase(sets::kContact);
-  EXPECT_THROW((void)predict_face(unnamed, {straight({0.0, 0.0, 1.0}, 1)}, {}), LogicError);
+  EXPECT_THROW((void)predict_face(unnamed, {straight({0.0, 0.0, 1.0}, 1)}, test::paper_options()),
+               LogicError);
   FaceModel loose = block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
-  EXPECT_EQ(predict_face(loose, {straight({0.0, 0.0, 1.0}, 1)}, {}).error().code,
+  EXPECT_EQ(predict_face(loose, {straight({0.0, 0.0, 1.0}, 1)}, test::paper_options()).error().code,
             ErrorCode::kAnatomyMissing);
 }
 
 TEST(PredictFace, APathThatCannotBeSolvedHasNoSteps) {
-  PredictionOptions hurried;
+  PredictionOptions hurried = test::paper_options();
   hurried.solver.min_increment_ratio = 1.0;
   hurried.solver.max_iterations = 1;
   const auto prediction =
@@ -456,7 +467,8 @@ class StopAtOnce final : public Progress {
 
 TEST(PredictFace, CanBeStopped) {
   StopAtOnce stop;
-  const auto stopped = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, {}, {}, stop);
+  const auto stopped = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)},
+                                    test::paper_options(), {}, stop);
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
 }
 

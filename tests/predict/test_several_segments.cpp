@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/box_mesh.h"
+#include "support/paper_boundary.h"
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
@@ -67,7 +68,7 @@ const Vec3 kUp(0.0, 0.0, 1.5);
 const Vec3 kUpAndAside(0.4, 0.2, 0.8);
 
 std::vector<Vec3> face(const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
-                       const PredictionOptions& options = {}) {
+                       const PredictionOptions& options = test::paper_options()) {
   const auto prediction = predict_face(model, paths, options).value();
   EXPECT_TRUE(prediction.converged()) << prediction.failure->message;
   return prediction.steps.back().displacement_mm;
@@ -97,7 +98,7 @@ TEST(SeveralSegments, FarFromEachOtherEachMovesItsTissueAsIfAlone) {
 
 TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
   const FaceModel model = two_separate();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.solver.relative_tolerance = 1e-9;
   const auto u =
       face(model, {named("left", {0.3, 0.0, 1.2}), named("right", {-0.3, 0.0, 1.2})}, options);
@@ -116,7 +117,7 @@ TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
 
 TEST(SeveralSegments, TwoPiecesThatMoveAsOneActAsOneBone) {
   for (const TissueInterface interface : {TissueInterface::kContact, TissueInterface::kBonded}) {
-    PredictionOptions options;
+    PredictionOptions options = test::paper_options();
     options.boundary.interface = interface;
     options.contact.penetration_tolerance_mm = 0.01;
     const auto one = face(long_block({{-4.0, 67.0}}), {named("whole", kUpAndAside)}, options);
@@ -131,7 +132,7 @@ TEST(SeveralSegments, TwoPiecesThatMoveAsOneActAsOneBone) {
 
 TEST(SeveralSegments, BondedTissueMovesWithTheClosestSegment) {
   const FaceModel model = two_adjacent();
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.boundary.interface = TissueInterface::kBonded;
   geometry::RigidPath left = named("left", {-0.3, 0.0, 0.5}),
                       right = named("right", {0.3, 0.0, -0.5});
@@ -150,8 +151,9 @@ TEST(SeveralSegments, BondedTissueMovesWithTheClosestSegment) {
 
 TEST(SeveralSegments, EachReportsItsContact) {
   const FaceModel model = two_separate();
-  const auto prediction =
-      predict_face(model, {named("left", kUp), named("right", {0.0, 0.0, 0.5})}, {}).value();
+  const auto prediction = predict_face(model, {named("left", kUp), named("right", {0.0, 0.0, 0.5})},
+                                       test::paper_options())
+                              .value();
   ASSERT_TRUE(prediction.converged());
   const PredictionStep& last = prediction.steps.back();
   const contact::ContactStatistics &left = last.segments[0].contact,
@@ -180,7 +182,8 @@ TEST(SeveralSegments, ThePathWithTheMostStepsSetsAllStepsAndEachPassesItsKeyfram
   geometry::RigidPath right = named("right", {0.0, 0.0, 0.6}, 4);
   right.keyframes.insert(right.keyframes.begin(),
                          {.path_fraction = 0.3, .translation_mm = {0.0, 0.0, 0.1}});
-  const auto prediction = predict_face(two_separate(), {left, right}, {}).value();
+  const auto prediction =
+      predict_face(two_separate(), {left, right}, test::paper_options()).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 4U);
   for (const PredictionStep& step : prediction.steps) {
@@ -203,7 +206,7 @@ TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndWhenResumed) {
   const FaceModel model = two_adjacent();
   const std::vector<geometry::RigidPath> paths{named("left", kUp, 3),
                                                named("right", kUpAndAside, 3)};
-  PredictionOptions options;
+  PredictionOptions options = test::paper_options();
   options.contact.penetration_tolerance_mm = 1e-2;
   options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
   std::vector<Restart> kept;
@@ -241,7 +244,8 @@ TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndWhenResumed) {
 TEST(SeveralSegments, ErrorsNameTheSegment) {
   const auto refused = [](const FaceModel& model, const Vec3& right_mm, ErrorCode code,
                           const std::string& text) {
-    const auto prediction = predict_face(model, {named("left", kUp), named("right", right_mm)}, {});
+    const auto prediction =
+        predict_face(model, {named("left", kUp), named("right", right_mm)}, test::paper_options());
     ASSERT_FALSE(prediction);
     EXPECT_EQ(prediction.error().code, code);
     EXPECT_NE(prediction.error().message.find(text), std::string::npos)
@@ -262,7 +266,8 @@ TEST(SeveralSegments, ErrorsNameTheSegment) {
 TEST(SeveralSegments, ThePreviewMovesEach) {
   const FaceModel model = two_separate();
   const geometry::TriangleMesh skin_L = test::surface_of(model);
-  const FacePreview preview(make_preview_model(model, skin_L, {}, {}, Vec3::Ones()).value());
+  const FacePreview preview(
+      make_preview_model(model, skin_L, {}, test::paper_boundary(), Vec3::Ones()).value());
   ASSERT_EQ(preview.segment_count(), 2U);
   const auto shifted = [](const Vec3& by_mm) {
     RigidTransform pose = RigidTransform::Identity();

@@ -16,6 +16,7 @@
 
 #include "support/box_mesh.h"
 #include "support/face_phantom.h"
+#include "support/paper_boundary.h"
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
@@ -54,7 +55,7 @@ FaceModel sliding_block() {
 
 PredictionOptions bonded_options() {
   PredictionOptions options;
-  options.boundary.interface = TissueInterface::kBonded;
+  options.boundary = test::bonded_boundary();
   return options;
 }
 
@@ -154,14 +155,14 @@ TEST(StationaryContact, IsNamedByTheLabelAndNotFixed) {
                            std::vector<BoundaryLabel>(std::size_t(phantom.grid.voxel_count()))};
   for (Index k = 7; k < 10; ++k)  // On stationary bone, away from its boundary.
     for (Index j = 10; j < 31; ++j)
-      for (Index i = 27; i < 33; ++i) painted.at(i, j, k) = BoundaryLabel::kSlides;
+      for (Index i = 27; i < 33; ++i) painted.at(i, j, k) = BoundaryLabel::kContact;
   const auto named = [&](const BoundaryLabelMap* labels) {
-    return find_tissue_boundary(mesh, domain, phantom.labels, phantom.skin_L, phantom.segment_L,
-                                phantom.remainder_L, {.elevation_margin_mm = 4.0}, labels);
+    return test::find_phantom_boundary(mesh, domain, phantom, test::paper_boundary(4.0), labels)
+        .tissue;
   };
   const mesh::VolumeMesh by_rule = named(nullptr), with_paint = named(&painted);
   EXPECT_FALSE(by_rule.face_sets.contains(sets::kStationaryContact));
-  const auto& slides = with_paint.node_sets.at("painted_slides");
+  const auto& slides = with_paint.node_sets.at("painted_contact");
   EXPECT_GT(slides.size(), 10U);
   const auto is_in = [](const mesh::VolumeMesh& tissue, std::int32_t node) {
     const auto& fixed = tissue.node_sets.at(sets::kFixed);
@@ -183,10 +184,10 @@ TEST(StationaryContact, IsNamedByTheLabelAndNotFixed) {
 
 TEST(StationaryContact, IsNotPreviewed) {
   const FaceModel model = sliding_block();
-  const auto preview =
-      make_preview_model(model, test::make_box({0, 0, 0}, {1, 1, 1}), {}, {}, Vec3::Ones());
+  const auto preview = make_preview_model(model, test::make_box({0, 0, 0}, {1, 1, 1}), {},
+                                          test::paper_boundary(), Vec3::Ones());
   ASSERT_FALSE(preview);
-  EXPECT_NE(preview.error().message.find("slide on stationary bone"), std::string::npos);
+  EXPECT_NE(preview.error().message.find("painted as contact"), std::string::npos);
 }
 
 }  // namespace

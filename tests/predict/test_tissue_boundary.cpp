@@ -7,21 +7,20 @@
 #include <set>
 
 #include "support/face_phantom.h"
+#include "support/paper_boundary.h"
 
 namespace lefort::predict::test_tissue_boundary {
 namespace {
 
 const TissueOptions kOptions{.element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 15.0};
 
-mesh::VolumeMesh phantom_tissue(const BoundaryOptions& options,
-                                const anatomy::LabelMap* labels = nullptr) {
+mesh::VolumeMesh phantom_tissue(const BoundaryOptions& options) {
   test::FacePhantom phantom = test::make_face_phantom();
   const TissueDomain domain =
       make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
   static const mesh::VolumeMesh bare =
       mesh_tissue(domain, phantom.segment_L, kOptions).value();  // The same for every test.
-  return find_tissue_boundary(bare, domain, labels != nullptr ? *labels : phantom.labels,
-                              phantom.skin_L, phantom.segment_L, phantom.remainder_L, options);
+  return test::find_phantom_boundary(bare, domain, phantom, options).tissue;
 }
 
 std::set<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh, const char* set) {
@@ -30,7 +29,7 @@ std::set<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh, const char* set
 }
 
 TEST(TissueBoundary, NamesEverySideOfThePhantom) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue(test::paper_boundary(4.0));
   const auto far_inside = [](const Vec3& p) {
     return p.x() > 2.0 && p.x() < 33.0 && p.y() > 2.0 && p.y() < 38.0;
   };
@@ -63,7 +62,7 @@ TEST(TissueBoundary, NamesEverySideOfThePhantom) {
 }
 
 TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue(test::paper_boundary(4.0));
   const auto fixed = nodes_where(tissue, sets::kFixed);
   for (const std::int32_t node : tissue.node_sets.at(sets::kStationaryBone)) {
     const Vec3& p = tissue.nodes_L[std::size_t(node)];
@@ -77,7 +76,9 @@ TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
 
 TEST(TissueBoundary, FixesTheScanBoundaryOnlyIfRequired) {
   const auto prescribed = [](OuterBoundary edge) {
-    const mesh::VolumeMesh tissue = phantom_tissue({.scan_boundary = edge});
+    BoundaryOptions options = test::paper_boundary();
+    options.scan_boundary = edge;
+    const mesh::VolumeMesh tissue = phantom_tissue(options);
     const auto fixed = nodes_where(tissue, sets::kFixed);
     const auto& nodes = tissue.node_sets.at(sets::kScanBoundary);
     return std::all_of(nodes.begin(), nodes.end(), [&](auto n) { return fixed.count(n) > 0; });
@@ -87,7 +88,7 @@ TEST(TissueBoundary, FixesTheScanBoundaryOnlyIfRequired) {
 }
 
 TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue(test::paper_boundary(4.0));
   const auto& contact = tissue.face_sets.at(sets::kContact);
   EXPECT_GT(contact.size(), 50U);
   for (const mesh::Face& face : contact) {
@@ -106,9 +107,10 @@ TEST(TissueBoundary, DeepTissueIsNotSkinEvenIfALevelIsCutOffNearZero) {
         phantom.soft_tissue_level.at(i, j, k) = float(-test::kPhantomNear_mm);
   const TissueDomain domain =
       make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
-  const mesh::VolumeMesh tissue = find_tissue_boundary(
-      mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
-      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {});
+  const mesh::VolumeMesh tissue =
+      test::find_phantom_boundary(mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain,
+                                  phantom, test::paper_boundary())
+          .tissue;
   for (const std::int32_t node : tissue.node_sets.at(sets::kSkin))
     EXPECT_GT(tissue.nodes_L[std::size_t(node)].z(), test::kPhantomSkin_mm - 2.0);
   int in_airway = 0;
@@ -120,8 +122,10 @@ TEST(TissueBoundary, DeepTissueIsNotSkinEvenIfALevelIsCutOffNearZero) {
 TEST(TissueBoundary, BrainExtendsTwoMillimetersForAnyVoxelSize) {
   const auto brain_nodes = [](double spacing_mm) {
     test::FacePhantom phantom = test::make_face_phantom();
-    anatomy::LabelMap labels;  // The same brain, below z = 3 mm, in voxels of another size.
+    anatomy::LabelMap& labels =
+        phantom.labels;  // The same brain, below z = 3 mm, in voxels of another size.
     labels.grid.spacing_mm = Vec3(spacing_mm, spacing_mm, spacing_mm);
+    labels.values.clear();
     const auto count = Index(std::lround(40.0 / spacing_mm));
     labels.grid.size = {count, count, count};
     labels.grid.origin_L = Vec3::Constant(0.5 * spacing_mm);
@@ -134,9 +138,8 @@ TEST(TissueBoundary, BrainExtendsTwoMillimetersForAnyVoxelSize) {
     const TissueDomain domain =
         make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
     static const mesh::VolumeMesh bare = mesh_tissue(domain, phantom.segment_L, kOptions).value();
-    return find_tissue_boundary(bare, domain, labels, phantom.skin_L, phantom.segment_L,
-                                phantom.remainder_L, {})
-        .node_sets.at(sets::kBrain);
+    return test::find_phantom_boundary(bare, domain, phantom, test::paper_boundary())
+        .tissue.node_sets.at(sets::kBrain);
   };
   const auto fine = brain_nodes(0.5);
   EXPECT_GT(fine.size(), 50U);  // 6.5 mm and 2 mm reach 8 mm.
@@ -152,9 +155,10 @@ TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
   phantom.remainder_L = test::make_box({20.0, 0.0, 0.0}, {40.0, 40.0, 5.0});
   const TissueDomain domain =
       make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
-  const mesh::VolumeMesh tissue = find_tissue_boundary(
-      mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
-      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {.elevation_margin_mm = 0.0});
+  const mesh::VolumeMesh tissue =
+      test::find_phantom_boundary(mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain,
+                                  phantom, test::paper_boundary(0.0))
+          .tissue;
   const auto fixed = nodes_where(tissue, sets::kFixed);
   EXPECT_GT(tissue.node_sets.at(sets::kBrain).size(), 50U);
   for (const std::int32_t node : tissue.node_sets.at(sets::kBrain)) EXPECT_TRUE(fixed.count(node));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/face_phantom.h"
+#include "support/paper_boundary.h"
 
 namespace lefort::predict::test_tissue_skin {
 namespace {
@@ -48,9 +49,9 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
   EXPECT_GE(quality.min_scaled_jacobian, kMinJacobian);
   EXPECT_TRUE(quality.inverted.empty());
 
-  const auto named = find_tissue_boundary(
-      mesh, mixed().domain, mixed().phantom.labels, mixed().phantom.skin_L,
-      mixed().phantom.segment_L, mixed().phantom.remainder_L, {.elevation_margin_mm = 4.0});
+  const mesh::VolumeMesh named =
+      test::find_phantom_boundary(mesh, mixed().domain, mixed().phantom, test::paper_boundary(4.0))
+          .tissue;
   const auto measure = [&](const std::vector<mesh::Face>& faces) {
     return mesh::layer_thickness_statistics(named, regions::kSkin, faces, 2,
                                             options().skin->thickness_mm);
@@ -74,9 +75,10 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
 }
 
 TEST(TissueSkin, DoesNotChangeTheSetsOfTheBoundary) {
-  const mesh::VolumeMesh tissue = find_tissue_boundary(
-      mixed().mesh, mixed().domain, mixed().phantom.labels, mixed().phantom.skin_L,
-      mixed().phantom.segment_L, mixed().phantom.remainder_L, {.elevation_margin_mm = 4.0});
+  const mesh::VolumeMesh tissue =
+      test::find_phantom_boundary(mixed().mesh, mixed().domain, mixed().phantom,
+                                  test::paper_boundary(4.0))
+          .tissue;
   const auto is_in = [&](const char* set, std::int32_t node) {
     const auto& nodes = tissue.node_sets.at(set);
     return std::binary_search(nodes.begin(), nodes.end(), node);

@@ -12,8 +12,11 @@
 #include <lefort/anatomy/label_map.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/image/volume.h>
+#include <lefort/predict/tissue_boundary.h>
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "support/shapes.h"
 
@@ -50,6 +53,20 @@ inline FacePhantom make_face_phantom() {
                                                               : anatomy::Tissue::kBone);
       }
   return phantom;
+}
+
+/// The boundary of a mesh of the phantom with its two bones.
+///
+/// \param zones  where the osteotomies elevate tissue.
+[[nodiscard]] inline predict::TissueBoundary find_phantom_boundary(
+    mesh::VolumeMesh mesh, const predict::TissueDomain& domain, const FacePhantom& phantom,
+    const predict::BoundaryOptions& options, const predict::BoundaryLabelMap* painted = nullptr,
+    std::span<const plan::ElevationZone> zones = {}) {
+  return predict::find_tissue_boundary(std::move(mesh), domain, phantom.labels, phantom.skin_L,
+                                       {.segments_L = {&phantom.segment_L, 1},
+                                        .remainder_L = phantom.remainder_L,
+                                        .elevation = zones},
+                                       options, painted);
 }
 
 }  // namespace lefort::test

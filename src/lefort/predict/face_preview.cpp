@@ -136,15 +136,16 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
   LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, boundary.interface));
-  if (preview.supports.empty())
-    return fail(ErrorCode::kAnatomyMissing,
-                "the segment's field has no direction out of the bone where tissue lies on it");
   const VectorX diagonal = preview.stiffness_n_per_mm.diagonal();
   double sum = 0.0;
   for (const PreviewModel::Support& support : preview.supports)
     sum += diagonal.segment<3>(support.row).mean();
-  preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
+  if (!preview.supports.empty())
+    preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
   add_interface_supports(model, options, boundary, preview.first_row, preview.supports);
+  if (preview.supports.empty())
+    return fail(ErrorCode::kAnatomyMissing,
+                "the segment's field has no direction out of the bone where tissue lies on it");
   preview.skin = embed_skin(skin_L, tissue, embedding_distance_mm(options, spacing_mm));
   return preview;
 }

@@ -21,6 +21,9 @@ constexpr double kNearAir_mm = 2.0;
 /// A bone this close to a plane crosses it: two voxels, because surfaces end inside the scan.
 constexpr double kCrosses_mm = 2.0;
 
+/// A point of bone this close to a cut face lies at it: the width of a saw cut.
+constexpr double kAtCut_mm = 2.0;
+
 /// Distance to a surface, infinite if it is empty or further than `within_mm`.
 double distance_mm(const geometry::Bvh* surface, const Vec3& p_L, double within_mm = kFar_mm) {
   if (surface == nullptr) return kFar_mm;
@@ -176,14 +179,26 @@ class InterfaceRules {
     return false;
   }
 
-  /// Whether bone that moves relative to `bone` is near.
+  /// Whether a point of a bone lies at a cut face.
+  [[nodiscard]] bool is_at_cut(const Vec3& p_L) const {
+    return std::any_of(cuts_.begin(), cuts_.end(), [&](const auto& cut) {
+      return distance_mm(cut.get(), p_L, kAtCut_mm) <= kAtCut_mm;
+    });
+  }
+
+  /// Whether `other` is near, and no osteotomy separates it from the bone at `p_L`: its closest
+  /// point is not at a cut face.
+  [[nodiscard]] bool is_joint_with(const geometry::Bvh* other, const Vec3& p_L) const {
+    if (other == nullptr) return false;
+    const auto closest = other->closest_point(p_L, options_.joint_margin_mm);
+    return closest && closest->distance_mm < options_.joint_margin_mm && !is_at_cut(closest->point);
+  }
+
+  /// Whether bone that moves relative to `bone` is near, and no osteotomy separates them.
   [[nodiscard]] bool is_in_joint(const Vec3& p_L, std::int32_t bone) const {
-    const double margin_mm = options_.joint_margin_mm;
-    if (bone != kStationaryBone && distance_mm(remainder_.get(), p_L, margin_mm) < margin_mm)
-      return true;
+    if (bone != kStationaryBone && is_joint_with(remainder_.get(), p_L)) return true;
     for (std::size_t k = 0; k < segments_.size(); ++k)
-      if (bone != std::int32_t(k) && distance_mm(segments_[k].get(), p_L, margin_mm) < margin_mm)
-        return true;
+      if (bone != std::int32_t(k) && is_joint_with(segments_[k].get(), p_L)) return true;
     return false;
   }
 

@@ -28,6 +28,13 @@ Json segments_json(const io::PlanFile& plan, const Function& of_segment) {
   return list;
 }
 
+Json supports_json(const contact::SupportStatistics& supports) {
+  return {{"nodes", supports.nodes},
+          {"max_slip_mm", supports.max_slip_mm},
+          {"max_opening_mm", supports.max_opening_mm},
+          {"max_compression_mm", supports.max_compression_mm}};
+}
+
 Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared) {
   double max_mm = 0.0;
   for (const Vec3& u : step.displacement_mm) max_mm = std::max(max_mm, u.norm());
@@ -35,10 +42,12 @@ Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared
   json["segments"] = segments_json(prepared.plan, [&](std::size_t k, Json& segment) {
     segment["pose_4x4_row_major_mm_lps"] = as_json(step.segments[k].X_LB);
     segment["contact"] = contact_json(step.segments[k].contact);
+    segment["supports"] = supports_json(step.segments[k].supports);
   });
   json["contact"] = contact_json(step.contact());
   if (prepared.model.stationary_bone)
     json["stationary_bone_contact"] = contact_json(step.stationary_contact);
+  json["stationary_bone_supports"] = supports_json(step.stationary_supports);
   json["max_displacement_mm"] = max_mm;
   json["min_volume_ratio"] = step.min_J;
   json["residual_n"] = step.residual_n;
