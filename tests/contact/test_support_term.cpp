@@ -39,6 +39,7 @@ NodalSupport elevated() {
   return {.area_mm2 = kArea_mm2,
           .normal_B = kNormal_B,
           .normal_mpa_per_mm = kNormal,
+          .tension_mpa_per_mm = kNormal,
           .tangential_mpa_per_mm = kTangential};
 }
 
@@ -51,7 +52,7 @@ NodalSupport sliding() {
 
 NodalSupport separating() {
   NodalSupport support = sliding();
-  support.may_separate = true;
+  support.tension_mpa_per_mm = 0.0;
   return support;
 }
 
@@ -102,12 +103,14 @@ void expect_derivatives(const SupportTerm& term, const Vec3& x_L) {
 
 TEST(SupportTerm, ForceAndStiffnessAreDerivativesOfTheEnergy) {
   const Vec3 offset_L(0.3, -0.4, 0.2);
-  for (const NodalSupport& support : {elevated(), sliding(), separating()}) {
+  NodalSupport softer_in_tension = elevated();
+  softer_in_tension.tension_mpa_per_mm = 0.2 * kNormal;
+  for (const NodalSupport& support : {elevated(), softer_in_tension, sliding(), separating()}) {
     SupportTerm term = on_ball(support);
     for (const RigidTransform& X_LB : {RigidTransform::Identity(), some_motion()}) {
       term.set_pose(X_LB);
       // In front of the bone and in it: a separating support acts only in it.
-      if (!support.may_separate) expect_derivatives(term, X_LB * kOnBall_L + offset_L);
+      if (support.tension_mpa_per_mm > 0.0) expect_derivatives(term, X_LB * kOnBall_L + offset_L);
       expect_derivatives(term, X_LB * (kOnBall_L - 0.7 * kNormal_B) + offset_L);
     }
   }

@@ -26,6 +26,7 @@ TEST(InterfaceSupports, StiffnessOfALayer) {
   for (const double thickness_mm : {0.5, 1.0, 20.0}) {
     const LayerStiffness layer = layer_stiffness(kYoung, kPoisson, thickness_mm);
     EXPECT_NEAR(layer.normal_mpa_per_mm, (bulk + 4.0 / 3.0 * shear) / thickness_mm, 1e-15);
+    EXPECT_NEAR(layer.tension_mpa_per_mm, kYoung / thickness_mm, 1e-15);
     EXPECT_NEAR(layer.tangential_mpa_per_mm, shear / thickness_mm, 1e-15);
   }
   // The figures in docs/theory/interface.md.
@@ -65,7 +66,8 @@ TEST(InterfaceSupports, OfElevatedTissueCoverItsAreaAlongTheNormalOutOfTheBone) 
     const Vec3& p = model.tissue.nodes_L[std::size_t(support.node)];
     EXPECT_EQ(support.normal_mpa_per_mm, layer.normal_mpa_per_mm);
     EXPECT_EQ(support.tangential_mpa_per_mm, layer.tangential_mpa_per_mm);
-    EXPECT_FALSE(support.follows_surface || support.may_separate);
+    EXPECT_EQ(support.tension_mpa_per_mm, layer.tension_mpa_per_mm);
+    EXPECT_FALSE(support.follows_surface);
     const bool is_inner =
         p.x() > 0.1 && p.x() < kSide_mm - 0.1 && p.y() > 0.1 && p.y() < kSide_mm - 0.1;
     if (!is_inner) continue;  // At an edge the normal is that of two sides.
@@ -89,7 +91,8 @@ TEST(InterfaceSupports, OfSlidingTissueFollowTheSurfaceWithoutShear) {
     EXPECT_TRUE(support.follows_surface);
     EXPECT_EQ(support.tangential_mpa_per_mm, 0.0);
     EXPECT_GT(support.normal_mpa_per_mm, 0.0);
-    EXPECT_EQ(support.may_separate, support.node == model.interface.nodes.front().node);
+    EXPECT_EQ(support.tension_mpa_per_mm == 0.0,
+              support.node == model.interface.nodes.front().node);
   }
 }
 
@@ -143,8 +146,8 @@ TEST(InterfaceSupports, TissueFollowsASegmentThatIsPulledBackUnlessItIsOnlyInCon
   const PredictionStep contact = pulled(block_with(Condition::kContact), test::paper_options());
   EXPECT_LT((bottom_mm(elevated_model, bonded.displacement_mm) - back_mm).norm(), 1e-12);
   const Vec3 followed_mm = bottom_mm(elevated_model, elevated.displacement_mm);
-  // Springs in series: the layer of 1 mm under tissue of 9 mm opens by no more than a tenth.
-  EXPECT_LT(followed_mm.z(), -0.9);
+  // Springs in series: the layer in tension, 2.75 kPa/mm, and the tissue of 9 mm above it.
+  EXPECT_LT(followed_mm.z(), -0.5);
   EXPECT_GT(followed_mm.z(), -1.0);
   EXPECT_EQ(bottom_mm(elevated_model, contact.displacement_mm), Vec3::Zero());
   EXPECT_EQ(elevated.segments[0].supports.nodes, 49);

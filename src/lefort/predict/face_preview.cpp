@@ -74,8 +74,25 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
   return supports;
 }
 
-/// Adds elastic supports of the interface map, each with its normal and, if it has a tangential
-/// stiffness, two tangents.
+/// A spring of the preview: along a direction, and whether it pulls, too.
+struct SupportSpring {
+  Vec3 direction_L;
+  double mpa_per_mm;
+  bool is_bilateral;
+};
+
+/// The springs of a support: tension acts both ways, the rest of the stiffness in compression only.
+std::array<SupportSpring, 4> springs_of(const contact::NodalSupport& support) {
+  const Vec3& n = support.normal_B;
+  const Vec3 tangent = n.unitOrthogonal();
+  const double pushes = support.normal_mpa_per_mm - support.tension_mpa_per_mm;
+  return {{{n, support.tension_mpa_per_mm, true},
+           {n, pushes, false},
+           {tangent, support.tangential_mpa_per_mm, true},
+           {n.cross(tangent), support.tangential_mpa_per_mm, true}}};
+}
+
+/// Adds the elastic supports of the interface map.
 void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
                             const BoundaryOptions& boundary,
                             const std::vector<std::int32_t>& first_row,
@@ -86,19 +103,14 @@ void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
     for (const contact::NodalSupport& one : list) {
       const std::int32_t row = first_row[std::size_t(one.node)];
       if (row < 0) continue;
-      const Vec3 tangent = one.normal_B.unitOrthogonal();
-      const std::array<std::pair<Vec3, double>, 3> directions{
-          {{one.normal_B, one.normal_mpa_per_mm},
-           {tangent, one.tangential_mpa_per_mm},
-           {one.normal_B.cross(tangent), one.tangential_mpa_per_mm}}};
-      for (const auto& [direction_L, mpa_per_mm] : directions)
-        if (mpa_per_mm > 0.0)
+      for (const SupportSpring& spring : springs_of(one))
+        if (spring.mpa_per_mm > 0.0)
           supports.push_back({.segment = segment,
                               .row = row,
                               .point_L = model.tissue.nodes_L[std::size_t(one.node)],
-                              .direction_L = direction_L,
-                              .is_bilateral = true,
-                              .n_per_mm = one.area_mm2 * mpa_per_mm,
+                              .direction_L = spring.direction_L,
+                              .is_bilateral = spring.is_bilateral,
+                              .n_per_mm = one.area_mm2 * spring.mpa_per_mm,
                               .motion_fraction = one.motion_fraction});
     }
   };

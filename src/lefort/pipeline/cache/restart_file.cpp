@@ -17,9 +17,9 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 6;
+constexpr double kStepsRevision = 7;
 
-constexpr std::string_view kMagic = "lefort restart 3\n";
+constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::uintmax_t kMaxRestartBytes = std::uintmax_t(64) << 30;
 
