@@ -53,7 +53,7 @@ bool SupportTerm::evaluate(Index item, std::span<const Vec3> x_L,
   const Opening opening = opening_of(std::size_t(item), x_L[0]);
   if (!x_L[0].allFinite() || !std::isfinite(opening.mm)) return false;
   const double A = support.area_mm2, k_t = support.tangential_mpa_per_mm;
-  const double k_n = support.may_separate && opening.mm > 0.0 ? 0.0 : support.normal_mpa_per_mm;
+  const double k_n = opening.mm > 0.0 ? support.tension_mpa_per_mm : support.normal_mpa_per_mm;
   local.energy_mj =
       0.5 * A * (k_n * opening.mm * opening.mm + k_t * opening.tangential_L.squaredNorm());
   local.residual_n = A * (k_n * opening.mm * opening.gradient_L + k_t * opening.tangential_L);

@@ -12,7 +12,7 @@
 ///   W   = A/2 (k_n e^2 + k_t |s_t|^2)
 ///   r   = dW/dx, K = d2W/dx2 = A (k_n (m (x) m + e Hess e) + k_t (I - n (x) n)),  m = grad e
 ///
-/// A support that may separate has no normal part while e > 0.
+/// k_n may differ in compression and tension; a support without tension separates.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -30,10 +30,10 @@ struct NodalSupport {
   std::int32_t node = 0;
   double area_mm2 = 0.0;               ///< A > 0, of the tissue surface at the node.
   Vec3 normal_B = Vec3::UnitZ();       ///< n, unit length, out of the bone.
-  double normal_mpa_per_mm = 0.0;      ///< k_n >= 0.
+  double normal_mpa_per_mm = 0.0;      ///< k_n >= 0 in compression, e < 0.
+  double tension_mpa_per_mm = 0.0;     ///< k_n >= 0 in tension, e > 0.
   double tangential_mpa_per_mm = 0.0;  ///< k_t >= 0.
   bool follows_surface = false;        ///< e is measured by the distance query of the bone.
-  bool may_separate = false;           ///< No tension along the normal.
   /// Fraction w of the motion of the bone that the support follows, 0 to 1. Below 1, X moves by
   /// w (X_LB X - X) and the normal keeps its direction in L.
   double motion_fraction = 1.0;

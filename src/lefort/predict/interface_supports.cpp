@@ -14,13 +14,15 @@ contact::NodalSupport on_bone(const NodeInterface& one, const std::vector<Bounda
                               const LayerStiffness& layer) {
   const BoundaryNode& at = boundary[std::size_t(one.node)];
   const bool is_sliding = one.condition == InterfaceCondition::kSliding;
+  double tension_mpa_per_mm = layer.tension_mpa_per_mm;
+  if (is_sliding) tension_mpa_per_mm = one.may_separate ? 0.0 : layer.normal_mpa_per_mm;
   return {.node = one.node,
           .area_mm2 = at.area_mm2,
           .normal_B = -at.normal_L,  // Into the tissue, out of the bone.
           .normal_mpa_per_mm = layer.normal_mpa_per_mm,
+          .tension_mpa_per_mm = tension_mpa_per_mm,
           .tangential_mpa_per_mm = is_sliding ? 0.0 : layer.tangential_mpa_per_mm,
-          .follows_surface = is_sliding,
-          .may_separate = one.may_separate};
+          .follows_surface = is_sliding};
 }
 
 }  // namespace
@@ -29,6 +31,7 @@ LayerStiffness layer_stiffness(double young_mpa, double poisson, double thicknes
   const double mu = young_mpa / (2.0 * (1.0 + poisson));
   const double lambda = young_mpa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
   return {.normal_mpa_per_mm = (lambda + 2.0 * mu) / thickness_mm,
+          .tension_mpa_per_mm = young_mpa / thickness_mm,
           .tangential_mpa_per_mm = mu / thickness_mm};
 }
 
@@ -60,15 +63,16 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
         map.nodes.begin(), map.nodes.end(), plane.node,
         [](const NodeInterface& one, std::int32_t node) { return one.node < node; });
     const bool is_roller = at->condition == InterfaceCondition::kRoller;
+    const double normal_mpa_per_mm = is_roller ? roller_mpa_per_mm : foundation.normal_mpa_per_mm;
     auto& list =
         plane.segment >= 0 ? supports.on_segments[std::size_t(plane.segment)] : supports.on_planes;
-    list.push_back(
-        {.node = plane.node,
-         .area_mm2 = area_mm2,
-         .normal_B = plane.normal_L,
-         .normal_mpa_per_mm = is_roller ? roller_mpa_per_mm : foundation.normal_mpa_per_mm,
-         .tangential_mpa_per_mm = is_roller ? 0.0 : foundation.tangential_mpa_per_mm,
-         .motion_fraction = plane.segment >= 0 ? plane.motion_fraction : 0.0});
+    list.push_back({.node = plane.node,
+                    .area_mm2 = area_mm2,
+                    .normal_B = plane.normal_L,
+                    .normal_mpa_per_mm = normal_mpa_per_mm,
+                    .tension_mpa_per_mm = normal_mpa_per_mm,
+                    .tangential_mpa_per_mm = is_roller ? 0.0 : foundation.tangential_mpa_per_mm,
+                    .motion_fraction = plane.segment >= 0 ? plane.motion_fraction : 0.0});
   }
   return supports;
 }

@@ -14,7 +14,8 @@ namespace lefort::predict {
 
 /// Stiffness per area of a thin elastic layer.
 struct LayerStiffness {
-  double normal_mpa_per_mm = 0.0;      ///< k_n = (lambda + 2 mu) / t.
+  double normal_mpa_per_mm = 0.0;      ///< k_n = (lambda + 2 mu) / t, compression.
+  double tension_mpa_per_mm = 0.0;     ///< k_n = E / t, tension.
   double tangential_mpa_per_mm = 0.0;  ///< k_t = mu / t.
 };
 
@@ -24,7 +25,8 @@ inline constexpr double kLayerYoung_mpa = 0.00275, kLayerPoisson = 0.49;
 
 /// A layer of thickness t between two bodies acts as springs of stiffness (lambda + 2 mu) / t along
 /// its normal and mu / t along its surface, to first order in t (\cite klarbring1991; \cite
-/// goland1944 for the same springs in a lap joint).
+/// goland1944 for the same springs in a lap joint). In tension, a layer of separate fibers has the
+/// modulus of uniaxial stress, E.
 ///
 /// \param young_mpa     of the layer, > 0.
 /// \param poisson       0 <= nu < 0.5.

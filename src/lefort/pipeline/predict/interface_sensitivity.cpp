@@ -73,23 +73,25 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
                                                            const StageCache& cache,
                                                            Progress& progress) {
   InterfaceSensitivity sensitivity{.element_size_mm = coarse(prepared.plan.tissue).element_size_mm};
-  std::vector<std::vector<Vec3>> skins_mm;
-  for (const auto interface :
-       {predict::TissueInterface::kBonded, predict::TissueInterface::kContact}) {
-    Result<std::vector<Vec3>> skin_mm = solve(prepared, interface, cache, progress);
-    if (!skin_mm && skin_mm.error().code == ErrorCode::kCancelled)
-      return tl::unexpected(skin_mm.error());
-    if (!skin_mm) {
-      sensitivity.failure =
-          fmt::format("{} interface: {}", name_of(interface), skin_mm.error().message);
-      return sensitivity;
-    }
-    skins_mm.push_back(*std::move(skin_mm));
+  Result<std::vector<Vec3>> held_mm = solve(prepared, sensitivity.held, cache, progress);
+  if (!held_mm && held_mm.error().code != ErrorCode::kCancelled) {
+    sensitivity.held = predict::TissueInterface::kClinical;
+    held_mm = solve(prepared, sensitivity.held, cache, progress);
+  }
+  const auto pushed_mm =
+      held_mm ? solve(prepared, predict::TissueInterface::kContact, cache, progress) : held_mm;
+  if (!pushed_mm) {
+    if (pushed_mm.error().code == ErrorCode::kCancelled) return tl::unexpected(pushed_mm.error());
+    sensitivity.failure =
+        fmt::format("{} interface: {}",
+                    name_of(held_mm ? predict::TissueInterface::kContact : sensitivity.held),
+                    pushed_mm.error().message);
+    return sensitivity;
   }
   std::vector<double> distances_mm;
-  for (std::size_t v = 0; v < skins_mm[0].size(); ++v)
-    if (std::max(skins_mm[0][v].norm(), skins_mm[1][v].norm()) > kMoved_mm)
-      distances_mm.push_back((skins_mm[0][v] - skins_mm[1][v]).norm());
+  for (std::size_t v = 0; v < held_mm->size(); ++v)
+    if (std::max((*held_mm)[v].norm(), (*pushed_mm)[v].norm()) > kMoved_mm)
+      distances_mm.push_back(((*held_mm)[v] - (*pushed_mm)[v]).norm());
   if (distances_mm.empty()) return sensitivity;
   std::sort(distances_mm.begin(), distances_mm.end());
   sensitivity.p50_mm = percentile(distances_mm, 0.50);
@@ -101,7 +103,7 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
 
 nlohmann::ordered_json as_json(const InterfaceSensitivity& sensitivity) {
   using Json = nlohmann::ordered_json;
-  Json json{{"interfaces", {"bonded", "contact"}},
+  Json json{{"interfaces", {name_of(sensitivity.held), "contact"}},
             {"element_size_mm", sensitivity.element_size_mm}};
   json["difference_mm"] = sensitivity.failure ? Json(nullptr)
                                               : Json{{"p50", sensitivity.p50_mm},
@@ -115,9 +117,9 @@ nlohmann::ordered_json as_json(const InterfaceSensitivity& sensitivity) {
 report::ReportTable as_table(const InterfaceSensitivity& sensitivity) {
   return {"Uncertainty by the interface of tissue and bone",
           {"quantity", "value"},
-          {{fmt::format("bonded versus contact interface, elements of {:g} mm: distance of the "
-                        "two faces where the skin moves",
-                        sensitivity.element_size_mm),
+          {{fmt::format("{} versus contact interface, elements of {:g} mm: distance of the two "
+                        "faces where the skin moves",
+                        name_of(sensitivity.held), sensitivity.element_size_mm),
             in_words(sensitivity)}}};
 }
 

@@ -222,7 +222,8 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   std::optional<InterfaceSensitivity> sensitivity;
   if (job.sensitivity) {
     LEFORT_TRY(sensitivity, measure_interface_sensitivity(prepared, cache, progress));
-    progress.note("bonded versus contact interface, coarse mesh: " + in_words(*sensitivity));
+    progress.note(fmt::format("{} versus contact interface, coarse mesh: {}",
+                              name_of(sensitivity->held), in_words(*sensitivity)));
   }
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
