@@ -298,7 +298,9 @@ const BadInput kBadInput[] = {
     {"boundary labels of tissues",
      plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])") +
          "cp $good/labels.seg.nrrd a.seg.nrrd",
-     kPredict, "segment 0 is named \"bone\", expected fixed, free, slides or with segment"},
+     kPredict,
+     "segment 0 is named \"bone\", expected fixed, free, with segment, contact, bonded, elevated "
+     "or sliding"},
     {"boundary labels that are missing",
      plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])"), kPredict,
      "a.seg.nrrd is not a file"},

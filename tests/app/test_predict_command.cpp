@@ -92,6 +92,48 @@ TEST_F(PredictCommand, WritesTheFaceAndAllThatDocumentsIt) {
   EXPECT_EQ(result["parameters"]["stiffness_factor"], 10.0);
 }
 
+TEST_F(PredictCommand, ReportsTheInterfaceAndTheMotionOfTissueOnBone) {
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  const json result = read_json("out/prediction.json");
+  const json& parameters = result["parameters"];
+  EXPECT_EQ(parameters["interface"], "clinical");
+  EXPECT_EQ(parameters["scan_boundary"], "roller");
+  EXPECT_EQ(parameters["cut_boundary"], "roller");
+  const json& interface = result["mesh"]["boundary"]["interface"];
+  const std::size_t nodes = interface["nodes"].size();
+  EXPECT_EQ(nodes, result["mesh"]["node_sets"]["boundary"].get<std::size_t>());
+  const std::string conditions = interface["condition_of_nodes"],
+                    rules = interface["rule_of_nodes"];
+  EXPECT_EQ(conditions.size(), nodes);
+  EXPECT_EQ(rules.size(), nodes);
+  std::size_t in_groups = 0, elevated = 0, bonded = 0;
+  for (const json& group : interface["groups"]) {
+    in_groups += group["nodes"].get<std::size_t>();
+    if (group["condition"] == "elevated") elevated += group["nodes"].get<std::size_t>();
+    if (group["condition"] == "bonded") bonded += group["nodes"].get<std::size_t>();
+    if (group["condition"] == "elevated") {
+      EXPECT_EQ(group["rule"], "osteotomy");
+      EXPECT_NE(group["segment"].is_null(), !group["on_stationary_bone"].get<bool>());
+    }
+  }
+  EXPECT_EQ(in_groups, nodes);
+  EXPECT_GT(elevated, 20U);
+  EXPECT_GT(bonded, 20U);
+  EXPECT_EQ(std::size_t(std::count(conditions.begin(), conditions.end(), 'e')), elevated);
+  EXPECT_EQ(interface["letters"]["conditions"]["e"], "elevated");
+  // Tissue slips where the bones separate by 3 mm, on either of them.
+  const json& last = result["steps"].back();
+  const json &on_segment = last["segments"][0]["supports"],
+             &on_stationary = last["stationary_bone_supports"];
+  EXPECT_EQ(on_segment["nodes"].get<std::size_t>() + on_stationary["nodes"].get<std::size_t>(),
+            elevated);
+  for (const json& supports : {on_segment, on_stationary}) {
+    EXPECT_GT(supports["max_slip_mm"], 0.1);
+    EXPECT_LT(supports["max_slip_mm"], 3.5);
+    EXPECT_LT(supports["max_compression_mm"], 1.0);
+  }
+}
+
 TEST_F(PredictCommand, TheCopiedPlanFindsItsScan) {
   ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
   EXPECT_EQ(read_json("out/plan.json")["ct"], "../ct.nrrd");
@@ -208,10 +250,11 @@ void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0,
 }
 
 TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsReportedAndFingerprinted) {
+  write_plan(test::with_paper_boundary(small_plan()));
   ASSERT_EQ(predict("by_rule", "--no-pictures").exit_code, 0);
   const json by_rule = read_json("by_rule/prediction.json");
   EXPECT_TRUE(by_rule["mesh"]["boundary"]["painted"].is_null());
-  EXPECT_EQ(by_rule["mesh"]["boundary"]["elevation_margin_mm"], 8.0);
+  EXPECT_TRUE(by_rule["parameters"]["elevation_margin_mm"].is_null());
   Index nodes = 0;
   for (const json& rule : by_rule["mesh"]["boundary"]["rules"]) {
     nodes +=
@@ -221,7 +264,7 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsReportedAndFingerpri
   EXPECT_EQ(nodes, by_rule["mesh"]["node_sets"]["boundary"]);
 
   paint(folder_ / "painted.seg.nrrd", "fixed");
-  json plan = small_plan();
+  json plan = test::with_paper_boundary(small_plan());
   plan["boundary"]["labels"] = "painted.seg.nrrd";
   write_plan(plan);
   const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
@@ -298,11 +341,11 @@ TEST_F(PredictCommand, LabeledMuscleIsARegionOfItsOwnMaterial) {
       << vain.error;
 }
 
-TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
-  json plan = small_plan();
+TEST_F(PredictCommand, TissuePaintedAsContactMeetsStationaryBone) {
+  json plan = test::with_paper_boundary(small_plan());
   plan["boundary"]["labels"] = "painted.seg.nrrd";
   write_plan(plan);
-  paint(folder_ / "painted.seg.nrrd", "slides", 28.0, -10.0);  // Beside the segment.
+  paint(folder_ / "painted.seg.nrrd", "contact", 28.0, -10.0);  // Beside the segment.
   const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
   StopAfterAStep stop;
   ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
@@ -311,7 +354,7 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
   EXPECT_NE(run.error.find("computed by an earlier run"), std::string::npos) << run.error;
   const json reported = read_json("out/prediction.json");
   EXPECT_TRUE(reported["converged"].get<bool>());
-  EXPECT_GT(reported["mesh"]["boundary"]["painted"]["painted_slides"], 5);
+  EXPECT_GT(reported["mesh"]["boundary"]["painted"]["painted_contact"], 5);
   for (const json& step : reported["steps"]) {
     EXPECT_GT(step["stationary_bone_contact"]["area_mm2"], 1.0);
     EXPECT_LT(step["stationary_bone_contact"]["max_penetration_increase_mm"], 1.0);
@@ -374,7 +417,7 @@ Vec3 middle_of(const fs::path& surface) {
 
 TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);  // Of one: its files must go.
-  json plan = test::two_piece_plan({1, -4, 0}, {-1, -1, 0});
+  json plan = test::with_paper_boundary(test::two_piece_plan({1, -4, 0}, {-1, -1, 0}));
   plan["segments"][1]["path"]["steps"] = 1;
   write_plan(plan);
   const auto run = predict("out");
@@ -432,8 +475,10 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
 }
 
 TEST_F(PredictCommand, ASegmentInTwoPiecesThatMoveTogetherEqualsOnePiece) {
+  // The interface of the paper: the cut between the pieces elevates no tissue.
+  write_plan(test::with_paper_boundary(small_plan()));
   ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
-  write_plan(test::two_piece_plan({0, -3, 0}, {0, -3, 0}));
+  write_plan(test::with_paper_boundary(test::two_piece_plan({0, -3, 0}, {0, -3, 0})));
   const auto run = predict("two", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
   const auto one = io::read_surface(folder_ / "one/predicted_skin.vtp").value();

@@ -4,6 +4,7 @@
 #include <lefort/mesh/element_faces.h>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "support/shapes.h"
@@ -530,6 +532,17 @@ TEST(ContactTerm, CountsThePointsInContact) {
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 0);
   term.set_pose(lifted(1.0));
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 6);
+}
+
+TEST(ContactTerm, AStateBeyondTheBandIsInadmissibleAndTheMessageNamesTheBand) {
+  const ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
+  EXPECT_TRUE(evaluate(term, 0, flat_face(-1.0)).admissible);
+  EXPECT_FALSE(evaluate(term, 0, flat_face(-3.5)).admissible);
+  const std::string cause = term.inadmissible_cause();
+  EXPECT_NE(cause.find("in the plate than its distance field reaches"), std::string::npos) << cause;
+  EXPECT_NE(cause.find("field.band_mm"), std::string::npos) << cause;
+  const double band_mm = slab().distance_query_B->max_distance_mm();
+  EXPECT_NE(cause.find(fmt::format("{:.2f} mm", band_mm)), std::string::npos) << cause;
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdio>
 #include <limits>
+#include <string>
 
 #include "fem/body.h"
 #include "fem/random_deformation.h"
@@ -102,6 +104,23 @@ DenseSums dense_sums(const std::vector<Vec3>& nodes_L, const std::vector<const F
       }
     }
   return sums;
+}
+
+TEST_F(Assembly, NamesTheInvertedElementAndItsPosition) {
+  VectorX u = body_.at_rest();
+  EXPECT_EQ(body_.assembler.inadmissible_cause(u), "");
+  const std::int32_t corner = 0;  // Through the opposite side of its element.
+  u.segment<3>(3 * Index(corner)) = Vec3(2.0, 2.0, 2.0);
+  ASSERT_FALSE(body_.assembler.forces(u));
+  const std::string cause = body_.assembler.inadmissible_cause(u);
+  EXPECT_EQ(cause.find("an element is inverted at ("), 0U) << cause;
+  double x = 1e9, y = 1e9, z = 1e9;
+  ASSERT_EQ(std::sscanf(cause.c_str(), "an element is inverted at (%lf, %lf, %lf) mm", &x, &y, &z),
+            3)
+      << cause;
+  EXPECT_LT(Vec3(x, y, z).norm(), 3.6);  // Within the elements at the corner.
+  u[7] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(body_.assembler.inadmissible_cause(u), "a displacement is not finite");
 }
 
 TEST_F(Assembly, EqualsPlainSumsOverAllItems) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 
 #include "linear/little_memory.h"
 
@@ -238,7 +239,39 @@ TEST(Newton, StopsWhereNoStepIsAcceptable) {
                             [](double) { return 1.0; });
   const auto outcome = solve(inconsistent, 0.0);
   EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
-  EXPECT_NE(outcome.reason.find("no step along the search direction"), std::string::npos);
+  EXPECT_EQ(outcome.reason, "no step along the search direction reduces the energy");
+}
+
+/// W = -x, admissible up to a wall.
+class Walled final : public NonlinearSystem {
+ public:
+  explicit Walled(double wall) : wall_(wall) {}
+  std::optional<ResidualState> residual_state(const VectorX& x) const override {
+    if (x[0] > wall_) return std::nullopt;
+    return ResidualState{.energy_mj = -x[0],
+                         .residual_n = VectorX::Constant(1, -1.0),
+                         .residual_reference_n = 1.0,
+                         .energy_round_off_mj = 1e-15};
+  }
+  std::string inadmissible_cause(const VectorX& x) const override {
+    return x[0] > wall_ ? "a wall stands there" : "";
+  }
+  linear::SparseMatrix tangent(const VectorX&, Tangent) const override {
+    return sparse(Eigen::MatrixXd::Constant(1, 1, 1.0));
+  }
+
+ private:
+  double wall_;
+};
+
+TEST(Newton, NamesTheCauseOfAnInadmissibleStepOrStart) {
+  const auto stuck = solve(Walled(0.0), 0.0);
+  EXPECT_EQ(stuck.stop, NewtonStop::kStagnated);
+  EXPECT_EQ(stuck.reason,
+            "no step along the search direction is acceptable, because a wall stands there");
+  const auto outside = solve(Walled(0.0), 0.5);
+  EXPECT_EQ(outside.stop, NewtonStop::kInadmissibleStart);
+  EXPECT_EQ(outside.reason, "the start is inadmissible: a wall stands there");
 }
 
 TEST(Newton, StopsAfterManyStepsWithoutProgress) {

@@ -58,9 +58,33 @@ TEST(DeprecatedKeys, PlanIsReadWithOneWarningForEachName) {
   EXPECT_EQ(plan.boundary.contact_snap_mm, 0.5);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(plan.solver.min_increment_ratio, 0.25);
-  ASSERT_EQ(plan.warnings.size(), deprecated_in_plans().keys.size() + 1);  // And one value.
+  // Without segment_interface, a former name of the same key; and one value.
+  ASSERT_EQ(plan.warnings.size(), deprecated_in_plans().keys.size() - 1 + 1);
   EXPECT_EQ(plan.warnings.front(), "segments[].from is deprecated, use cut_from");
   EXPECT_EQ(plan.warnings.back(), "boundary.interface: attached is deprecated, use bonded");
+}
+
+/// Both former names of boundary.interface, with their former values.
+TEST(DeprecatedKeys, FormerInterfacesAreContactAndBonded) {
+  struct Former {
+    const char *key, *value;
+    predict::TissueInterface interface;
+    std::size_t warnings;
+  };
+  for (const auto& [key, value, interface, warnings] :
+       {Former{"moved_bone", "contact", predict::TissueInterface::kContact, 1},
+        Former{"moved_bone", "attached", predict::TissueInterface::kBonded, 2},
+        Former{"segment_interface", "sliding", predict::TissueInterface::kContact, 2},
+        Former{"segment_interface", "bonded", predict::TissueInterface::kBonded, 1}}) {
+    Json json = Json::parse(rename_plan_keys(kOldPlan).value());
+    json["boundary"] = {{key, value}};
+    const PlanFile plan = parse_plan(json.dump(), ".").value();
+    EXPECT_EQ(plan.boundary.interface, interface) << key << ": " << value;
+    ASSERT_EQ(plan.warnings.size(), warnings) << key << ": " << value;
+    EXPECT_EQ(plan.warnings[0], std::string("boundary.") + key + " is deprecated, use interface");
+    json["boundary"]["interface"] = "clinical";
+    EXPECT_FALSE(parse_plan(json.dump(), "."));
+  }
 }
 
 TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
@@ -103,12 +127,17 @@ TEST(DeprecatedKeys, RenamedPlanReadsTheSameWithoutAWarning) {
   EXPECT_EQ(rename_plan_keys("{").error().code, ErrorCode::kPlanInvalid);
 }
 
-TEST(DeprecatedKeys, NoNameOccursTwiceInATable) {
+TEST(DeprecatedKeys, NoOldNameOccursTwiceOrIsANewName) {
   for (const DeprecatedNames& names : {deprecated_in_plans(), deprecated_in_decks()}) {
-    std::set<std::string> seen;
-    for (const DeprecatedKey& name : names.keys)
-      for (const std::string_view key : {name.old_key, name.new_key})
-        EXPECT_TRUE(seen.insert(std::string(name.object) + "/" + std::string(key)).second) << key;
+    std::set<std::string> old_keys, new_keys;  // A key may have had several names.
+    const auto path = [](const DeprecatedKey& name, std::string_view key) {
+      return std::string(name.object) + "/" + std::string(key);
+    };
+    for (const DeprecatedKey& name : names.keys) {
+      EXPECT_TRUE(old_keys.insert(path(name, name.old_key)).second) << name.old_key;
+      new_keys.insert(path(name, name.new_key));
+    }
+    for (const std::string& key : old_keys) EXPECT_FALSE(new_keys.contains(key)) << key;
   }
 }
 

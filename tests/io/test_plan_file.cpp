@@ -36,7 +36,9 @@ Json good_plan() {
     }],
     "tissue": {"material": {"law": "neo-hookean", "young_kpa": 20, "poisson": 0.4},
                "element_size_mm": 3},
-    "boundary": {"interface": "bonded", "scan_boundary": "fixed", "elevation_margin_mm": 5,
+    "boundary": {"interface": "bonded", "scan_boundary": "fixed", "cut_boundary": "foundation",
+                 "foundation_mm": 30, "elevation_margin_mm": 5, "joint_margin_mm": 6,
+                 "interface_layer_mm": 0.5, "contact_snap_mm": 0.7,
                  "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
                 "penetration_tolerance_mm": 0.05},
@@ -68,7 +70,12 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.tissue.element_size_mm, 3.0);
   EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kBonded);
   EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kFixed);
+  EXPECT_EQ(plan.boundary.cut_boundary, predict::OuterBoundary::kFoundation);
+  EXPECT_EQ(plan.boundary.foundation_mm, 30.0);
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
+  EXPECT_EQ(plan.boundary.joint_margin_mm, 6.0);
+  EXPECT_EQ(plan.boundary.interface_layer_mm, 0.5);
+  EXPECT_EQ(plan.boundary.contact_snap_mm, 0.7);
   EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kBvh);
@@ -88,7 +95,36 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_FALSE(plan.ct);
   EXPECT_FALSE(plan.boundary_labels);
   EXPECT_EQ(plan.tissue.poisson, predict::TissueOptions{}.poisson);
-  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kContact);
+  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kClinical);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kRoller);
+  EXPECT_EQ(plan.boundary.cut_boundary, predict::OuterBoundary::kRoller);
+  EXPECT_FALSE(plan.boundary.elevation_margin_mm);
+}
+
+TEST(PlanFile, EachNameOfAnInterfaceAndOfABoundaryIsRead) {
+  Json json = good_plan();
+  const auto boundary = [&](const char* key, std::string_view name) {
+    json["boundary"] = {{key, name}};
+    return parse_plan(json.dump(), ".").value().boundary;
+  };
+  using predict::OuterBoundary;
+  using predict::TissueInterface;
+  for (const auto interface :
+       {TissueInterface::kClinical, TissueInterface::kBonded, TissueInterface::kContact})
+    EXPECT_EQ(boundary("interface", name_of(interface)).interface, interface);
+  for (const auto outer : {OuterBoundary::kRoller, OuterBoundary::kFree, OuterBoundary::kFixed,
+                           OuterBoundary::kFoundation}) {
+    EXPECT_EQ(boundary("scan_boundary", name_of(outer)).scan_boundary, outer);
+    EXPECT_EQ(boundary("cut_boundary", name_of(outer)).cut_boundary, outer);
+  }
+  for (const char* key : {"interface", "scan_boundary", "cut_boundary"}) {
+    json["boundary"] = {{key, "slippery"}};
+    EXPECT_EQ(parse_plan(json.dump(), ".").error().code, ErrorCode::kPlanInvalid);
+  }
+  for (const char* key : {"foundation_mm", "interface_layer_mm"}) {
+    json["boundary"] = {{key, 0.0}};
+    EXPECT_EQ(parse_plan(json.dump(), ".").error().code, ErrorCode::kPlanInvalid);
+  }
 }
 
 TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreRequested) {
@@ -199,6 +235,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted] = plan->segments[0];
   EXPECT_EQ(maxilla.segment, "maxilla");
   EXPECT_EQ(maxilla.kerf_mm, 0.5);
+  EXPECT_EQ(maxilla.procedure, plan::OsteotomyTemplate::kLeFort1);
   EXPECT_EQ(maxilla.planes.size(), 2U);
   EXPECT_NEAR((maxilla.planes[0].point_L - Vec3(0, -70, -25)).norm(), 7.0, 1e-12);
   EXPECT_EQ(maxilla_from, "");
@@ -210,6 +247,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
 
   const plan::PlannedSegment& right = plan->segments[1];
   EXPECT_EQ(right.cut_from, "maxilla");
+  EXPECT_FALSE(right.osteotomy.procedure);
   EXPECT_EQ(right.osteotomy.curves[0].direction_L, Vec3(-1, 0, 0));
   EXPECT_EQ(right.osteotomy.curves[0].depth_mm, 12.0);
   EXPECT_EQ(right.osteotomy.additional_regions.size(), 1U);

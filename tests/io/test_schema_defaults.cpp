@@ -109,8 +109,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
   EXPECT_TRUE(
       is_preset("skin-barbarino-2011", plan.tissue.skin->young_mpa, plan.tissue.skin->poisson));
   EXPECT_EQ(segment.path.interpolation, geometry::Interpolation::kStraight);
-  EXPECT_EQ(plan.boundary.interface, predict::TissueInterface::kContact);
-  EXPECT_EQ(plan.boundary.scan_boundary, predict::OuterBoundary::kFree);
+  EXPECT_FALSE(plan.boundary.elevation_margin_mm);
   EXPECT_EQ(segment.path.keyframes[0].path_fraction, frame.path_fraction);
   EXPECT_FALSE(segment.osteotomy.planes[0].bounds);
   expect_defaults(
@@ -143,9 +142,12 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/tissue/element_size_mm", plan.tissue.element_size_mm},
        {"/tissue/far_element_size_mm", plan.tissue.far_element_size_mm},
        {"/tissue/margin_mm", plan.tissue.margin_mm},
-       {"/boundary/interface", "sliding"},
-       {"/boundary/scan_boundary", "free"},
-       {"/boundary/elevation_margin_mm", plan.boundary.elevation_margin_mm},
+       {"/boundary/interface", std::string(name_of(plan.boundary.interface))},
+       {"/boundary/scan_boundary", std::string(name_of(plan.boundary.scan_boundary))},
+       {"/boundary/cut_boundary", std::string(name_of(plan.boundary.cut_boundary))},
+       {"/boundary/foundation_mm", plan.boundary.foundation_mm},
+       {"/boundary/joint_margin_mm", plan.boundary.joint_margin_mm},
+       {"/boundary/interface_layer_mm", plan.boundary.interface_layer_mm},
        {"/boundary/contact_snap_mm", plan.boundary.contact_snap_mm},
        {"/contact/detection", std::string(contact::name_of(plan.contact.detection))},
        {"/contact/integration", std::string(contact::name_of(plan.contact.integration))},

@@ -262,6 +262,22 @@ TEST(SegmentationFile, ReadsBoundaryLabelsByNameOnTheScan) {
   EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone), 57);
 }
 
+TEST(SegmentationFile, ReadsEachBoundaryLabelAndTheFormerNameOfContact) {
+  using predict::BoundaryLabel;
+  const TemporaryFolder folder;
+  const auto label_named = [&](const std::string& name) {
+    write_bytes(folder / "a.seg.nrrd",
+                slicer_file("Segment0_ID:=a\nSegment0_Name:=" + name +
+                                "\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n",
+                            std::string("\1\0\0\0\0\0\0\0", 8)));
+    return read_boundary_labels(folder / "a.seg.nrrd", kScan).value().at(2, 1, 2);
+  };
+  for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
+    EXPECT_EQ(label_named(style.name), style.label) << style.name;
+  EXPECT_EQ(label_named("slides"), BoundaryLabel::kContact);
+  EXPECT_EQ(label_named("Slides"), BoundaryLabel::kContact);
+}
+
 TEST(SegmentationFile, ReadsBoundaryLabelsOfAPartOfTheScan) {
   using predict::BoundaryLabel;
   const TemporaryFolder folder;
@@ -296,9 +312,9 @@ TEST(SegmentationFile, RejectsUnknownBoundaryLabelsAndThoseOfAnotherScan) {
   };
   const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
   EXPECT_EQ(error_message(fixed), "read");
-  EXPECT_EQ(error_message(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
-            "boundary.labels: segment 1 is named \"Sliding\", expected fixed, free, slides or "
-            "with segment");
+  EXPECT_EQ(error_message(fixed + "Segment1_ID:=b\nSegment1_Name:=Slippery\n"),
+            "boundary.labels: segment 1 is named \"Slippery\", expected fixed, free, with segment, "
+            "contact, bonded, elevated or sliding");
   EXPECT_NE(error_message("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
             std::string::npos);
   EXPECT_NE(error_message("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);

@@ -608,7 +608,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
-  json plan = test::small_plan();
+  json plan = test::with_paper_boundary(test::small_plan());
   ASSERT_EQ(api.put("/plan", plan).status, 200);
   ASSERT_EQ(api.run({{"kind", "cut"}})["state"], "done");
   ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
@@ -708,7 +708,7 @@ TEST(CaseApi, PaintIsReplacedOnlyWithItsVersion) {
     EXPECT_EQ(send("PUT", "/boundary/data", "\1", wrong).status, 422) << wrong;
   EXPECT_EQ(send("PUT", "/boundary/data", "\1\1", "0,0,0,1,1,1").status, 413);
   EXPECT_EQ(send("PUT", "/boundary/data", "\1", "0,0,0,2,1,1").status, 422);
-  EXPECT_EQ(send("PUT", "/boundary/data", "\5", "0,0,0,1,1,1").status, 422);
+  EXPECT_EQ(send("PUT", "/boundary/data", "\10", "0,0,0,1,1,1").status, 422);
   EXPECT_EQ(send("PUT", "/boundary/data", std::string(1, '\0'), "0,0,0,1,1,1").status, 422);
   EXPECT_EQ(body_of(api.call_api("GET", "/boundary/data")), kept);
 

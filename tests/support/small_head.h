@@ -41,6 +41,17 @@ inline nlohmann::json small_plan() {
   })");
 }
 
+/// `boundary` of a plan with the boundary conditions of the paper (paper_boundary.h).
+inline nlohmann::json paper_boundary_json() {
+  return {{"interface", "contact"}, {"scan_boundary", "free"}, {"cut_boundary", "fixed"}};
+}
+
+/// A plan with the boundary conditions of the paper.
+inline nlohmann::json with_paper_boundary(nlohmann::json plan) {
+  plan["boundary"] = paper_boundary_json();
+  return plan;
+}
+
 /// The same front as two segments, cut in the middle.
 inline nlohmann::json two_piece_plan(const std::array<double, 3>& left_mm,
                                      const std::array<double, 3>& right_mm) {

@@ -155,7 +155,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   if (!preview.supports.empty())
     preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
   add_interface_supports(model, options, boundary, preview.first_row, preview.supports);
-  if (preview.supports.empty())
+  if (std::none_of(preview.supports.begin(), preview.supports.end(), [](const auto& support) {
+        return support.segment >= 0 && support.motion_fraction == 1.0;  // The rest are planes.
+      }))
     return fail(ErrorCode::kAnatomyMissing,
                 "the segment's field has no direction out of the bone where tissue lies on it");
   preview.skin = embed_skin(skin_L, tissue, embedding_distance_mm(options, spacing_mm));
