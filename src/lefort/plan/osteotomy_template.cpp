@@ -221,6 +221,7 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
   if (kind == OsteotomyTemplate::kSagittalSplit) cut = sagittal_split(head, options);
   if (!is_mandible) cut.anchor_points_L = {head.at("ANS")};
   cut.segment = segment;
+  cut.made_by = kind;
   return cut;
 }
 

@@ -17,14 +17,6 @@
 
 namespace lefort::plan {
 
-enum class OsteotomyTemplate {
-  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
-  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
-  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
-  kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
-  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
-};
-
 /// \param kind  a template.
 /// \returns "le-fort-1", "le-fort-2", "le-fort-3", "genioplasty" or "sagittal-split".
 [[nodiscard]] std::string_view name_of(OsteotomyTemplate kind);

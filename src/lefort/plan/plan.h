@@ -10,6 +10,15 @@
 
 namespace lefort::plan {
 
+/// Standard osteotomies (osteotomy_template.h), and the landmarks that place them.
+enum class OsteotomyTemplate {
+  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
+  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
+  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
+  kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
+  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
+};
+
 /// Extent of a bounded cut plane: a rectangle centered at the plane's point.
 struct PlaneBounds {
   Vec3 across_L;     ///< Direction of the width; its component along the normal is ignored.
@@ -55,6 +64,7 @@ struct Osteotomy {
   std::vector<Vec3> anchor_points_L{};
   /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; >= 0.
   double kerf_mm = 0.0;
+  std::optional<OsteotomyTemplate> made_by = std::nullopt;  ///< The template, if there was one.
 };
 
 }  // namespace lefort::plan
