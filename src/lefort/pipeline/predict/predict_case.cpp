@@ -1,3 +1,4 @@
+#include <lefort/compare/soft_tissue_ratios.h>
 #include <lefort/core/units.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
@@ -9,6 +10,7 @@
 #include <lefort/pipeline/predict.h>
 #include <lefort/pipeline/predict/prediction_pictures.h>
 #include <lefort/pipeline/predict/prediction_report.h>
+#include <lefort/pipeline/predict/ratio_results.h>
 #include <lefort/pipeline/predict/write_prediction.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/timing/peak_memory.h>
@@ -21,7 +23,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -211,6 +215,17 @@ std::vector<Vec3> displace_skin(const PreparedCase& prepared, const predict::Pre
       last.displacement_mm);
 }
 
+/// Ratios of the movement of the skin to that of each segment.
+std::vector<compare::SoftTissueRatio> measure_ratios(const PreparedCase& prepared,
+                                                     const predict::PredictionStep& last,
+                                                     std::span<const Vec3> skin_mm) {
+  std::vector<RigidTransform> X_LB;
+  for (const predict::SegmentStep& segment : last.segments) X_LB.push_back(segment.X_LB);
+  return compare::soft_tissue_ratios(prepared.skin_L, skin_mm,
+                                     {prepared.plan.segments, prepared.cut, X_LB},
+                                     prepared.plan.landmarks);
+}
+
 Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
                            const SolvedPath& solved, const std::string& plan_text,
                            StageTimer& progress) {
@@ -218,6 +233,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = displace_skin(prepared, last);
   const predict::SkinDisplacement skin = predict::measure_skin_displacement(skin_mm);
+  const std::vector<compare::SoftTissueRatio> ratios = measure_ratios(prepared, last, skin_mm);
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
@@ -226,10 +242,13 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
   const Timing timing{progress.stages(), solved.step_seconds};
-  const auto json = prediction_json(prepared, prediction, skin, timing);
-  LEFORT_TRY_VOID(write_documents(job.output,
-                                  prediction_report(prepared, prediction, pictures, skin, timing),
-                                  pictures, prepared.quality, plan_text, json));
+  nlohmann::ordered_json json = prediction_json(prepared, prediction, skin, timing);
+  json["soft_tissue_ratios"] = ratios_json(ratios);
+  report::CaseReport report = prediction_report(prepared, prediction, pictures, skin, timing);
+  std::vector<report::ReportTable> tables = ratio_tables(ratios);
+  report.tables.insert(report.tables.begin(), std::make_move_iterator(tables.begin()),
+                       std::make_move_iterator(tables.end()));
+  LEFORT_TRY_VOID(write_documents(job.output, report, pictures, prepared.quality, plan_text, json));
   Summary summary;
   summary.text = fmt::format(
       "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",
