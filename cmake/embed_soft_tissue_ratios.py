@@ -24,7 +24,7 @@ DIRECTIONS = {"advancement": "kAdvancement", "setback": "kSetback", "impaction":
 AXES = {"anterior": "kAnterior", "superior": "kSuperior", "lateral": "kLateral"}
 DIRECTIONS_OF_AXIS = {"anterior": {"advancement", "setback", "any"}, "superior": {"impaction", "lowering", "any"},
                       "lateral": {"widening", "any"}}
-SOFT = {"Prn", "Sn", "A'", "Ls", "Stm", "Li", "B'", "Pg'", "Me'", "Al"}
+SOFT = {"Prn", "Sn", "A'", "Ls", "Stm", "Li", "B'", "Pg'", "Me'", "Al", "Stm-Sn"}
 HARD = {"ANS", "A", "U1", "L1", "B", "Pg", "Me", "segment"}
 BASES = {"abstract", "recalled"}
 

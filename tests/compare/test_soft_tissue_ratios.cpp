@@ -148,6 +148,19 @@ TEST(SoftTissueRatios, NameTheDirectionOfImpactionAndLowering) {
   EXPECT_FALSE(find(lowered, "Stm", FaceAxis::kSuperior)->published);
 }
 
+TEST(SoftTissueRatios, OfTheUpperLipAreThoseOfItsLength) {
+  BoxHead head;
+  head.add("maxilla", moved_by({0, -2, 4})).osteotomy.made_by = OsteotomyTemplate::kLeFort1;
+  head.landmarks_L = {{"U1", {0, -30, -9}}, {"Sn", {0, -60, 10}}, {"Stm", {0, -60, -10}}};
+  const auto ratios = head.ratios([](const Vec3& p_L) { return Vec3(0, 0, 1 - 0.06 * p_L.z()); });
+  const SoftTissueRatio* const lip = find(ratios, "Stm-Sn", FaceAxis::kSuperior);
+  ASSERT_NE(lip, nullptr);
+  EXPECT_NEAR(lip->ratio(), 0.3, 1e-12) << "20 mm shorter by 6 %, over 4 mm of impaction";
+  ASSERT_TRUE(lip->published);
+  EXPECT_TRUE(lip->published->contains(0.3));
+  EXPECT_EQ(find(ratios, "Stm-Sn", FaceAxis::kAnterior), nullptr);
+}
+
 TEST(SoftTissueRatios, WithoutLandmarksAreThoseOfTheSkinAnteriorToTheSegment) {
   BoxHead head;
   head.add("front", moved_by({0, -5, -2}));

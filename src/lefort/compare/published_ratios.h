@@ -65,6 +65,8 @@ struct PublishedRatio {
 };
 
 inline constexpr std::string_view kSegment = "segment";
+/// Length of the upper lip: displacement of Stm relative to Sn, along the superior axis only.
+inline constexpr std::string_view kUpperLip = "Stm-Sn";
 
 /// A study or review.
 struct RatioSource {

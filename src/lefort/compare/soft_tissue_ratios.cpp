@@ -28,7 +28,7 @@ const Vec3* find(std::span<const LandmarkMovement> movements, std::string_view n
   return nullptr;
 }
 
-/// Of landmarks of the skin that lie on the skin.
+/// Of landmarks of the skin that lie on the skin, and of Stm relative to Sn.
 std::vector<LandmarkMovement> soft_movements(const geometry::Bvh& skin,
                                              std::span<const Vec3> displacement_mm,
                                              std::span<const plan::Landmark> landmarks_L) {
@@ -40,6 +40,9 @@ std::vector<LandmarkMovement> soft_movements(const geometry::Bvh& skin,
       movements.push_back({landmark.name, displacement_at(skin.mesh(), on_skin->triangle,
                                                           on_skin->point, displacement_mm)});
   }
+  const Vec3 *const mouth_mm = find(movements, "Stm"), *const base_mm = find(movements, "Sn");
+  if (mouth_mm != nullptr && base_mm != nullptr)
+    movements.push_back({std::string(kUpperLip), *mouth_mm - *base_mm});
   return movements;
 }
 
@@ -123,10 +126,11 @@ void relate_segments(std::vector<Segment>& segments, const FaceAxes& axes) {
   }
 }
 
-bool is_beside_the_segment(std::string_view soft) { return soft == "Prn" || soft == "Al"; }
+bool is_on_facing_skin(std::string_view soft) {
+  return soft != "Prn" && soft != "Al" && soft != kUpperLip;
+}
 
-/// Rows of the table for a ratio. `soft` without side; kFacingSkin stands for all landmarks that
-/// are not beside the segment.
+/// Rows of the table for a ratio. `soft` without side; kFacingSkin stands for all landmarks on it.
 std::optional<PublishedRange> find_published(const SoftTissueRatio& ratio, std::string_view soft,
                                              bool with_bimaxillary) {
   std::vector<PublishedRatio> rows;
@@ -134,7 +138,7 @@ std::optional<PublishedRange> find_published(const SoftTissueRatio& ratio, std::
     const bool is_procedure = row.procedure == ratio.procedure ||
                               (with_bimaxillary && row.procedure == Procedure::kBimaxillary);
     const bool is_direction = row.direction == ratio.direction || row.direction == Direction::kAny;
-    const bool is_place = soft == kFacingSkin ? !is_beside_the_segment(row.soft)
+    const bool is_place = soft == kFacingSkin ? is_on_facing_skin(row.soft)
                                               : row.soft == soft && row.hard == ratio.hard;
     if (is_procedure && is_direction && row.axis == ratio.axis && is_place) rows.push_back(row);
   }
@@ -164,6 +168,7 @@ class AxisRatios {
       add(ratios, kFacingSkin, kFacingSkin, kSegment, segment_.facing.skin_mm,
           segment_.facing.bone_mm);
     for (const auto& [soft, hard] : pairs_of_table()) {
+      if (soft == kUpperLip && axis_ != FaceAxis::kSuperior) continue;
       std::string name(soft);
       if (const plan::LandmarkKind* kind = plan::landmark_definition(name + "-L");
           kind != nullptr && kind->is_paired) {

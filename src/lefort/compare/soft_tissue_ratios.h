@@ -39,7 +39,7 @@ struct SoftTissueRatio {
   Direction direction = Direction::kAny;  ///< Of the bone.
   FaceAxis axis = FaceAxis::kAnterior;
   bool is_main_axis = false;  ///< The axis with the largest movement of the segment.
-  std::string soft;           ///< Landmark of the skin, with its side; or kFacingSkin.
+  std::string soft;           ///< Landmark of the skin, with its side; kUpperLip; or kFacingSkin.
   std::string hard;           ///< Landmark of bone; or kSegment: mean of its anterior surface.
   double soft_mm = 0.0;       ///< Displacement to anterior, superior, or left.
   double hard_mm = 0.0;       ///< Of the bone, as soft_mm; at least 1 mm in magnitude.
@@ -64,7 +64,7 @@ struct MovedSegments {
 ///
 /// The skin that faces a segment has a ratio without any landmark: mean displacement of that skin
 /// over mean displacement of the segment's anterior surface. Its published range is that of all
-/// landmarks of the skin except Prn and Al.
+/// rows except those of Prn, Al and kUpperLip.
 ///
 /// A ratio is given if the bone moves by 1 mm or more along the axis: below that, it is mostly the
 /// error of the displacements. Published ranges depend on the procedure: the template of the
