@@ -148,6 +148,23 @@ TEST(SoftTissueRatios, NameTheDirectionOfImpactionAndLowering) {
   EXPECT_FALSE(find(lowered, "Stm", FaceAxis::kSuperior)->published);
 }
 
+TEST(SoftTissueRatios, ListPairsWithAPublishedRangeOrTheFirst) {
+  BoxHead head;
+  head.add("maxilla", moved_by({0, -4, 0})).osteotomy.made_by = OsteotomyTemplate::kLeFort1;
+  head.landmarks_L = {{"ANS", {0, -30, 8}}, {"A", {0, -30, 0}}, {"Sn", {0, -60, 5}}};
+  const auto hard_of_sn = [&] {
+    std::vector<std::string> names;
+    for (const SoftTissueRatio& one : head.ratios([](const Vec3&) { return Vec3(0, -2, 0); }))
+      if (one.soft == "Sn") names.push_back(one.hard);
+    return names;
+  };
+  EXPECT_EQ(hard_of_sn(), std::vector<std::string>{"A"}) << "no study gives Sn : ANS";
+  head.X_LB[0] = moved_by({0, 4, 0});
+  EXPECT_EQ(hard_of_sn(), std::vector<std::string>{"A"}) << "a setback: no study, the first pair";
+  head.landmarks_L.erase(head.landmarks_L.begin() + 1);
+  EXPECT_EQ(hard_of_sn(), std::vector<std::string>{"ANS"});
+}
+
 TEST(SoftTissueRatios, OfTheUpperLipAreThoseOfItsLength) {
   BoxHead head;
   head.add("maxilla", moved_by({0, -2, 4})).osteotomy.made_by = OsteotomyTemplate::kLeFort1;

@@ -155,6 +155,19 @@ std::vector<std::pair<std::string_view, std::string_view>> pairs_of_table() {
   return pairs;
 }
 
+/// Keeps, of the pairs with the same landmark of the skin, those with a published range; without
+/// any, the first pair.
+std::vector<SoftTissueRatio> without_duplicates(const std::vector<SoftTissueRatio>& ratios) {
+  std::vector<SoftTissueRatio> kept;
+  for (const SoftTissueRatio& one : ratios) {
+    const auto is_better = [&](const SoftTissueRatio& other) {
+      return other.soft == one.soft && (other.published || &other < &one);
+    };
+    if (one.published || std::none_of(ratios.begin(), ratios.end(), is_better)) kept.push_back(one);
+  }
+  return kept;
+}
+
 /// The ratios of one segment along one axis.
 class AxisRatios {
  public:
@@ -162,7 +175,8 @@ class AxisRatios {
              const Vec3& axis_L)
       : segment_(segment), soft_(soft), axis_(axis), axis_L_(axis_L) {}
 
-  void append_to(std::vector<SoftTissueRatio>& ratios) const {
+  [[nodiscard]] std::vector<SoftTissueRatio> all() const {
+    std::vector<SoftTissueRatio> ratios;
     const double segment_mm = axis_L_.dot(segment_.facing.bone_mm);
     if (segment_.facing.area_mm2 > 0.0)
       add(ratios, kFacingSkin, kFacingSkin, kSegment, segment_.facing.skin_mm,
@@ -181,6 +195,7 @@ class AxisRatios {
       if (soft_mm != nullptr && hard_mm != nullptr)
         add(ratios, name, soft, hard, *soft_mm, *hard_mm);
     }
+    return without_duplicates(ratios);
   }
 
  private:
@@ -248,7 +263,8 @@ std::vector<SoftTissueRatio> soft_tissue_ratios(const geometry::TriangleMesh& sk
   std::vector<SoftTissueRatio> ratios;
   for (const Segment& segment : described)
     for (const FaceAxis axis : kAxes)
-      AxisRatios(segment, soft, axis, axes.along(axis)).append_to(ratios);
+      for (SoftTissueRatio& ratio : AxisRatios(segment, soft, axis, axes.along(axis)).all())
+        ratios.push_back(std::move(ratio));
   return ratios;
 }
 
