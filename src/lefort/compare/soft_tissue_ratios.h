@@ -60,8 +60,8 @@ struct MovedSegments {
 /// The ratio of a landmark of the skin to one of bone is the ratio of their displacements along an
 /// axis. The displacement of the skin is interpolated at the closest point of the skin, within
 /// 5 mm; that of bone is the rigid motion of the segment that the landmark lies on
-/// (plan::bones_of_landmarks()). The pairs are those of published_ratios(); for each landmark of the
-/// skin, those with a published range for the movement, otherwise the first pair.
+/// (plan::bones_of_landmarks()). The pairs are those of published_ratios(); for each landmark of
+/// the skin, those with a published range for the movement, otherwise the first pair.
 ///
 /// The skin that faces a segment has a ratio without any landmark: mean displacement of that skin
 /// over mean displacement of the segment's anterior surface. Its published range is that of all
