@@ -4,6 +4,7 @@ outside, when headers include each other in a cycle, when a line, function or fi
 and docs/references.bib do not match, or when a word is used that docs/glossary.md replaces. Run from the
 repository root; it is the ctest `sources`.
 """
+import csv
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path("src/lefort")
+RATIOS = Path("data/soft_tissue_ratios.csv")  # Its source_key cites, too.
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 MAX_LINE = 100
 MAX_FUNCTION = 60  # Lines; exceptions with reasons: script/long_functions.tsv.
@@ -88,7 +90,27 @@ def violations(root: Path, layers: dict[str, set[str]]) -> list[str]:
     return found
 
 
-def citation_mismatches(root: Path, references: Path) -> list[str]:
+def ratio_rows(table: Path) -> list[dict[str, str]]:
+    """The published soft-tissue ratios."""
+    with table.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def undocumented_ratios(table: Path, page: Path) -> list[str]:
+    """Rows of the table of ratios that the page lacks."""
+    text = page.read_text(encoding="utf-8")
+    found = []
+    for row in ratio_rows(table):
+        low, high = row["ratio_low"], row["ratio_high"]
+        line = (f"| {row['procedure']} | {row['direction']} | {row['axis']} | {row['soft_landmark']} : "
+                f"{row['hard_landmark']} | {low if low == high else f'{low}–{high}'} | [{row['source_key']}] | "
+                f"{row['basis']} | {row['note'].replace('+-', '±')} |")
+        if line not in text:
+            found.append(f"{page}: lacks the row {line}")
+    return found
+
+
+def citation_mismatches(root: Path, references: Path, ratios: Path) -> list[str]:
     """Sources that are cited and not listed, and those listed that nobody cites."""
     listed = set(re.findall(r"^@\w+\{([^,\s]+),", references.read_text(encoding="utf-8"), re.MULTILINE))
     cited: dict[str, Path] = {}
@@ -96,6 +118,8 @@ def citation_mismatches(root: Path, references: Path) -> list[str]:
         if path.suffix in {".h", ".cpp"}:
             for key in re.findall(r"\\cite\s+(?:///\s*)?([\w:-]+)", path.read_text(encoding="utf-8")):
                 cited.setdefault(key, path)
+    for row in ratio_rows(ratios):
+        cited.setdefault(row["source_key"], ratios)
     missing = [f"{cited[key]}: \\cite {key} is not in {references}" for key in sorted(cited.keys() - listed)]
     unused = [f"{references}: {key} is cited nowhere" for key in sorted(listed - cited.keys())]
     return missing + unused
@@ -196,7 +220,8 @@ def include_cycles(root: Path) -> list[str]:
 if __name__ == "__main__":
     problems = violations(ROOT, read_layers((ROOT / "LAYERS").read_text(encoding="utf-8")))
     problems += include_cycles(ROOT)
-    problems += citation_mismatches(ROOT, Path("docs/references.bib"))
+    problems += citation_mismatches(ROOT, Path("docs/references.bib"), RATIOS)
+    problems += undocumented_ratios(RATIOS, Path("docs/reference/soft-tissue-ratios.md"))
     problems += oversized(Path("script/long_functions.tsv"))
     problems += deprecated_words(Path("script/deprecated_words.tsv"))
     print("\n".join(problems) or "layers, citations, sizes and words: ok")

@@ -3,7 +3,8 @@ import re
 from pathlib import Path
 
 ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),(.*)\}\s*$", re.MULTILINE)
-ACCENTS = {r"{\ae}": "æ", r"{\ss}": "ß", r"{\v{e}}": "ě", r"{\v s}": "š", r'{\"a}': "ä", "--": "–"}
+ACCENTS = {r"{\ae}": "æ", r"{\ss}": "ß", r"{\v{e}}": "ě", r"{\v s}": "š", r'{\"a}': "ä", r'{\"o}': "ö", r"{\'e}": "é",
+           r"{\o}": "ø", "--": "–"}
 
 
 def fields(body: str) -> dict[str, str]:

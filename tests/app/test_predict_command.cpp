@@ -134,6 +134,45 @@ TEST_F(PredictCommand, ReportsTheInterfaceAndTheMotionOfTissueOnBone) {
   }
 }
 
+/// Without landmarks and template: the skin anterior to the segment, and no published range.
+TEST_F(PredictCommand, ReportsTheRatioOfSkinToBone) {
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json ratios = read_json("out/prediction.json")["soft_tissue_ratios"];
+  ASSERT_EQ(ratios.size(), 1U) << ratios;
+  EXPECT_EQ(ratios[0]["segment"], "front");
+  EXPECT_EQ(ratios[0]["procedure"], "unknown");
+  EXPECT_EQ(ratios[0]["direction"], "advancement");
+  EXPECT_EQ(ratios[0]["soft"], "facing skin");
+  EXPECT_TRUE(ratios[0]["main_axis"]);
+  EXPECT_NEAR(ratios[0]["hard_mm"], 3.0, 1e-9);
+  EXPECT_GT(ratios[0]["ratio"], 0.2);
+  EXPECT_LT(ratios[0]["ratio"], 1.1);
+  EXPECT_TRUE(ratios[0]["published"].is_null());
+  const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
+  EXPECT_NE(report.find("No published range is known for this movement."), std::string::npos);
+}
+
+TEST_F(PredictCommand, ComparesRatiosOfLandmarksWithPublishedRanges) {
+  json plan = small_plan();
+  plan["landmarks"] = {{"A", {0, -32, 0}}, {"Sn", {0, -47, 0}}};
+  write_plan(plan);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json ratios = read_json("out/prediction.json")["soft_tissue_ratios"];
+  ASSERT_EQ(ratios.size(), 2U) << ratios;
+  const json& lip = ratios[1];
+  EXPECT_EQ(lip["procedure"], "le-fort-1") << "A lies on the segment";
+  EXPECT_EQ(lip["soft"], "Sn");
+  EXPECT_EQ(lip["hard"], "A");
+  EXPECT_EQ(lip["published"]["sources"], json({"rosen1988"}));
+  EXPECT_EQ(lip["published"]["low"], 0.38);
+  EXPECT_EQ(lip["published"]["inside"], lip["ratio"] >= 0.38 && lip["ratio"] <= 0.64);
+  const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
+  EXPECT_NE(report.find("Rosen 1988"), std::string::npos);
+  EXPECT_NE(report.find("Lip-nasal aesthetics following Le Fort I osteotomy"), std::string::npos);
+}
+
 TEST_F(PredictCommand, TheCopiedPlanFindsItsScan) {
   ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
   EXPECT_EQ(read_json("out/plan.json")["ct"], "../ct.nrrd");

@@ -47,6 +47,7 @@ Osteotomy made(OsteotomyTemplate kind) {
 
 TEST(OsteotomyTemplate, LeFortOneMovesTheAlveolusAndNotTheOrbits) {
   const Osteotomy cut = made(OsteotomyTemplate::kLeFort1);
+  EXPECT_EQ(cut.procedure, OsteotomyTemplate::kLeFort1);
   EXPECT_TRUE(is_within(cut, {0, -68, -30}));
   EXPECT_TRUE(is_within(cut, {28, -40, -24}));
   for (const Vec3& p : {Vec3(0, -66, -15), Vec3(32, -55, 2), Vec3(15, -10, -30)})

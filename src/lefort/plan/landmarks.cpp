@@ -10,7 +10,7 @@
 namespace lefort::plan {
 namespace {
 
-constexpr std::array<LandmarkKind, 32> kKinds{{
+constexpr std::array<LandmarkKind, 34> kKinds{{
     {"N", "nasion", false, false},
     {"S", "sella", false, false},
     {"Or", "orbitale", false, true},
@@ -34,9 +34,11 @@ constexpr std::array<LandmarkKind, 32> kKinds{{
     {"N'", "soft-tissue nasion", true, false},
     {"Prn", "pronasale", true, false},
     {"Sn", "subnasale", true, false},
+    {"A'", "soft-tissue A point", true, false},
     {"Ls", "labrale superius", true, false},
     {"Li", "labrale inferius", true, false},
     {"Stm", "stomion", true, false},
+    {"B'", "soft-tissue B point", true, false},
     {"Pg'", "soft-tissue pogonion", true, false},
     {"Me'", "soft-tissue menton", true, false},
     {"Ex", "exocanthion", true, true},

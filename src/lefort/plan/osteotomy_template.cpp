@@ -219,9 +219,9 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
   if (kind == OsteotomyTemplate::kLeFort3) cut = le_fort_3(head, options);
   if (kind == OsteotomyTemplate::kGenioplasty) cut = genioplasty(head, options);
   if (kind == OsteotomyTemplate::kSagittalSplit) cut = sagittal_split(head, options);
-  cut.procedure = kind;
   if (!is_mandible) cut.anchor_points_L = {head.at("ANS")};
   cut.segment = segment;
+  cut.procedure = kind;
   return cut;
 }
 

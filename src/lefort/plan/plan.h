@@ -10,6 +10,15 @@
 
 namespace lefort::plan {
 
+/// Standard osteotomies (osteotomy_template.h), and the landmarks that place them.
+enum class OsteotomyTemplate {
+  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
+  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
+  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
+  kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
+  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
+};
+
 /// Extent of a bounded cut plane: a rectangle centered at the plane's point.
 struct PlaneBounds {
   Vec3 across_L;     ///< Direction of the width; its component along the normal is ignored.
@@ -37,15 +46,6 @@ struct CutCurve {
 struct CutRegion {
   std::vector<CutPlane> planes;
   std::vector<CutCurve> curves;
-};
-
-/// Standard osteotomies, with their landmarks (osteotomy_template.h).
-enum class OsteotomyTemplate {
-  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
-  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
-  kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
-  kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
-  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
 };
 
 /// The segment is the bone within `planes` and `curves`, for example the midface anterior to a

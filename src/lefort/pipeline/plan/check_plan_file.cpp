@@ -1,5 +1,4 @@
 #include <lefort/core/version.h>
-#include <lefort/geometry/bvh.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/deprecated_keys.h>
@@ -16,6 +15,7 @@
 #include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/cephalometric_table.h>
 #include <lefort/pipeline/prepare/load_head.h>
+#include <lefort/plan/bones_of_landmarks.h>
 #include <lefort/plan/cephalometrics.h>
 #include <lefort/predict/check_plan.h>
 #include <lefort/report/plan_pictures.h>
@@ -98,33 +98,21 @@ struct MovedLandmarks {
   std::vector<std::string> off_bone;  ///< Hard-tissue landmarks that are not on bone: unknown.
 };
 
-/// Landmarks on bone and teeth move with the closest bone. A landmark on a cut, equally close to
-/// both sides, moves with the segment; with the first one in the plan, if there are several.
+/// Landmarks on bone and teeth move with their bone.
 MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegments& cut,
                               const std::vector<plan::PlannedSegment>& planned) {
-  constexpr double kOnBone_mm = 5.0;  // Largest distance of a picked landmark from bone.
-  constexpr double kOnCut_mm = 0.5;   // Equally close: half the accuracy of picking.
-  std::vector<geometry::Bvh> trees;
-  for (const geometry::TriangleMesh& segment : cut.segments_L) trees.emplace_back(segment);
-  trees.emplace_back(cut.remainder_L);
+  const auto bones = plan::bones_of_landmarks(before, cut);
   MovedLandmarks after;
-  for (plan::Landmark landmark : before) {
+  for (std::size_t n = 0; n < before.size(); ++n) {
+    plan::Landmark landmark = before[n];
     const plan::LandmarkKind* const kind = plan::landmark_definition(landmark.name);
     if (kind != nullptr && kind->is_soft) continue;
-    double nearest_mm = kOnBone_mm;
-    std::optional<std::size_t> bone;
-    for (std::size_t k = 0; k < trees.size(); ++k) {
-      const auto on_bone = trees[k].closest_point(landmark.point_L, kOnBone_mm);
-      if (!on_bone || !(on_bone->distance_mm < nearest_mm - (bone ? kOnCut_mm : 0.0))) continue;
-      nearest_mm = on_bone->distance_mm;
-      bone = k;
-    }
-    if (!bone) {
+    if (!bones[n]) {
       after.off_bone.push_back(landmark.name);
       continue;
     }
-    if (*bone < planned.size())
-      landmark.point_L = geometry::pose_at(planned[*bone].path, 1.0) * landmark.point_L;
+    if (*bones[n] < planned.size())
+      landmark.point_L = geometry::pose_at(planned[*bones[n]].path, 1.0) * landmark.point_L;
     after.known.push_back(std::move(landmark));
   }
   return after;

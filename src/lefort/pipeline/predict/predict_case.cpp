@@ -1,3 +1,4 @@
+#include <lefort/compare/soft_tissue_ratios.h>
 #include <lefort/core/units.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
@@ -10,6 +11,7 @@
 #include <lefort/pipeline/predict/interface_sensitivity.h>
 #include <lefort/pipeline/predict/prediction_pictures.h>
 #include <lefort/pipeline/predict/prediction_report.h>
+#include <lefort/pipeline/predict/ratio_results.h>
 #include <lefort/pipeline/predict/write_prediction.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/timing/peak_memory.h>
@@ -22,7 +24,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -212,6 +216,17 @@ std::vector<Vec3> displace_skin(const PreparedCase& prepared, const predict::Pre
       last.displacement_mm);
 }
 
+/// Ratios of the movement of the skin to that of each segment.
+std::vector<compare::SoftTissueRatio> measure_ratios(const PreparedCase& prepared,
+                                                     const predict::PredictionStep& last,
+                                                     std::span<const Vec3> skin_mm) {
+  std::vector<RigidTransform> X_LB;
+  for (const predict::SegmentStep& segment : last.segments) X_LB.push_back(segment.X_LB);
+  return compare::soft_tissue_ratios(prepared.skin_L, skin_mm,
+                                     {prepared.plan.segments, prepared.cut, X_LB},
+                                     prepared.plan.landmarks);
+}
+
 Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
                            const SolvedPath& solved, const std::string& plan_text,
                            const StageCache& cache, StageTimer& progress) {
@@ -225,6 +240,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
     progress.note(fmt::format("{} versus contact interface, coarse mesh: {}",
                               name_of(sensitivity->held), in_words(*sensitivity)));
   }
+  const std::vector<compare::SoftTissueRatio> ratios = measure_ratios(prepared, last, skin_mm);
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
@@ -238,6 +254,10 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
       sensitivity ? as_json(*sensitivity) : nlohmann::ordered_json(nullptr);
   report::CaseReport report = prediction_report(prepared, prediction, pictures, skin, timing);
   if (sensitivity) report.tables.insert(report.tables.begin(), as_table(*sensitivity));
+  json["soft_tissue_ratios"] = ratios_json(ratios);
+  std::vector<report::ReportTable> tables = ratio_tables(ratios);
+  report.tables.insert(report.tables.begin(), std::make_move_iterator(tables.begin()),
+                       std::make_move_iterator(tables.end()));
   LEFORT_TRY_VOID(write_documents(job.output, report, pictures, prepared.quality, plan_text, json));
   Summary summary;
   summary.text = fmt::format(
