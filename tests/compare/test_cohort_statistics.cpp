@@ -39,7 +39,7 @@ TEST(Bootstrap, TheSameSeedGivesTheSameSamples) {
   }
 }
 
-/// The generator is that of the C++ standard: its 10000th number is given there.
+/// The first number of the generator of the C++ standard with its default seed.
 TEST(Bootstrap, SamplesDoNotDependOnTheLibrary) {
   EXPECT_EQ(bootstrap_samples(1000, {.replicates = 1, .seed = 5489})[0][0],
             Index(14514284786278117030ULL % 1000));

@@ -36,7 +36,7 @@ Result<TriangleMesh> checked_surface(const TriangleMesh& given_L, const std::str
 
 /// \returns whether the surface ends in a flat face at one side of its box.
 bool ends_flat(const TriangleMesh& surface_L, const Box3& box, Index axis, bool is_high) {
-  constexpr double kFlat_mm2 = 400.0, kWithin_mm = 1.0, kAligned = 0.985;  // cos(10 deg)
+  constexpr double kFlat_mm2 = 400.0, kWithin_mm = 0.2, kAligned = 0.9994;  // cos(2 deg)
   const double end_mm = is_high ? box.max()[axis] : box.min()[axis];
   double area_mm2 = 0.0;
   for (Index t = 0; t < surface_L.triangle_count(); ++t) {

@@ -14,7 +14,7 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
       ->required();
   command
       ->add_option("--parameters", job->parameters,
-                   "Parameters to fit: skin_ratio, elevation_margin_mm, poisson (the first two)")
+                   "Parameters to fit: skin_ratio, poisson, elevation_margin_mm (the first two)")
       ->delimiter(',');
   command->add_flag(
       "--achieved", job->achieved_movements,
@@ -33,7 +33,7 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
   command->footer(
       "Examples:\n"
       "  lefort calibrate cohort/ -o report/\n"
-      "  lefort calibrate cohort/ -o report/ --parameters skin_ratio,poisson\n"
+      "  lefort calibrate cohort/ -o report/ --parameters skin_ratio,elevation_margin_mm\n"
       "Writes calibration.json, calibration.csv and calibration.html: docs/guide/validate.md.\n"
       "A run that was stopped resumes. Not for clinical use.");
   command->callback([job, &context] {

@@ -117,7 +117,7 @@ Result<CaseResidual> CalibrationCohort::residual(Index number, const VectorX& at
   for (Index other = 0; other < size(); ++other)
     if (other != number) cases_[std::size_t(other)].release();
   CalibrationCase& one = cases_[std::size_t(number)];
-  CaseProgress progress(one.name() + ": ", progress_);
+  CaseProgress progress(one.name() + ": ", progress_, CaseNotes::kDrop);
   return one.evaluate(values(at), progress);
 }
 

@@ -87,7 +87,7 @@ double CalibrationParameter::coordinate_step() const {
 
 std::span<const CalibrationParameter> calibration_parameters() { return kParameters; }
 
-std::vector<std::string> default_parameters() { return {"skin_ratio", "elevation_margin_mm"}; }
+std::vector<std::string> default_parameters() { return {"skin_ratio", "poisson"}; }
 
 Result<std::vector<CalibrationParameter>> find_parameters(std::span<const std::string> names) {
   std::vector<CalibrationParameter> found;

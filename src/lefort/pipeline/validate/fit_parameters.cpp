@@ -96,6 +96,7 @@ std::vector<Index> all_of(std::size_t count) {
 /// The Gauss-Newton step with damping, within the bounds. A coordinate at a bound that the step
 /// would leave stays there.
 VectorX step_of(const CaseLinearization& mean, const VectorX& at, double damping, double max_step) {
+  constexpr double kAtBound = 1e-9;
   const Index count = at.size();
   std::vector<bool> is_free(std::size_t(count), true);
   VectorX step = VectorX::Zero(count);
@@ -114,7 +115,8 @@ VectorX step_of(const CaseLinearization& mean, const VectorX& at, double damping
     step = matrix.ldlt().solve(right).cwiseMax(-max_step).cwiseMin(max_step);
     bool has_left = false;
     for (Index p = 0; p < count; ++p) {
-      const bool leaves = (at[p] <= 0.0 && step[p] < 0.0) || (at[p] >= 1.0 && step[p] > 0.0);
+      const bool leaves =
+          (at[p] <= kAtBound && step[p] < 0.0) || (at[p] >= 1.0 - kAtBound && step[p] > 0.0);
       if (!leaves) continue;
       is_free[std::size_t(p)] = false;
       has_left = true;

@@ -2,6 +2,7 @@
 #include <lefort/geometry/pseudonormals.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
+#include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
@@ -72,13 +73,15 @@ Result<nlohmann::ordered_json> make_case(const PhantomCohortJob& job, const Phan
   const fs::path folder = job.output / one.name, hidden = job.output / ".work";
   LEFORT_TRY_VOID(io::make_output_folder(folder));
   progress.begin_stage("scan the synthetic head");
-  LEFORT_TRY_VOID(io::write_volume(folder / "before.nrrd", phantom_scan(job, one)));
+  const anatomy::LabeledScan scan = phantom_scan(job, one);
+  LEFORT_TRY_VOID(io::write_volume(folder / "before.nrrd", scan.ct));
+  LEFORT_TRY_VOID(io::write_segmentation(folder / kPhantomLabels, scan.labels));
   const std::string text = one.plan.dump(2) + "\n";
   LEFORT_TRY_VOID(io::write_text(folder / "plan.json", text));
   LEFORT_TRY(io::PlanFile plan, io::parse_plan(text, folder));
   plan.tissue.element_size_mm *= kTruthElementFactor;
   plan.tissue.skin->young_mpa = truth.skin_ratio * plan.tissue.young_mpa;
-  plan.boundary.elevation_margin_mm = truth.elevation_margin_mm;
+  plan.tissue.poisson = truth.poisson;
   const Result<SolvedSkin> skin = solve_skin(std::move(plan), io::Sha256().add(text).hex(),
                                              folder / "before.nrrd", hidden, progress);
   std::error_code ignored;
@@ -106,8 +109,7 @@ Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progr
       {"lefort_phantom_cohort", 1},
       {"version", kVersion},
       {"seed", job.seed},
-      {"parameters",
-       {{"skin_ratio", truth.skin_ratio}, {"elevation_margin_mm", truth.elevation_margin_mm}}},
+      {"parameters", {{"skin_ratio", truth.skin_ratio}, {"poisson", truth.poisson}}},
       {"element_size_mm", kTruthElementFactor * job.element_size_mm},
       {"skin_noise_mm", job.skin_noise_mm},
       {"noise_hu", job.noise_hu},

@@ -50,7 +50,7 @@ Json mandible_segment(UniformNumbers& numbers, bool is_setback, const Vec3& scal
 
 /// The block of the maxilla below its middle, anterior to the rami.
 Json midface_segment(UniformNumbers& numbers, const Vec3& scale) {
-  const Vec3 above(0.0, -50.0, -34.0), behind(0.0, -32.0, -50.0), anchor(0.0, -75.0, -48.0);
+  const Vec3 above(0.0, -50.0, -34.0), behind(0.0, -32.0, -50.0), anchor(15.0, -72.0, -50.0);
   const Vec3 translation_mm(numbers.draw(-0.5, 0.5), -numbers.draw(3.0, 5.0),
                             numbers.draw(-1.0, 1.0));
   return {
@@ -75,7 +75,7 @@ double normal_number(std::uint64_t key) {
 PhantomTruth draw_truth(std::uint64_t seed) {
   UniformNumbers numbers(seed);
   const double logarithm = numbers.draw(std::log(2.0), std::log(12.0));
-  return {std::exp(logarithm), numbers.draw(6.0, 18.0)};
+  return {std::exp(logarithm), numbers.draw(0.36, 0.48)};
 }
 
 PhantomCase draw_case(const PhantomCohortJob& job, int number) {
@@ -98,6 +98,7 @@ PhantomCase draw_case(const PhantomCohortJob& job, int number) {
                               : "mandible setback and mid-face advancement";
   one.plan = {{"lefort_plan", 1},
               {"title", one.procedure},
+              {"segmentation", {{"labels", kPhantomLabels}}},
               {"segments", segments},
               {"tissue",
                {{"element_size_mm", job.element_size_mm},
@@ -105,18 +106,21 @@ PhantomCase draw_case(const PhantomCohortJob& job, int number) {
                 {"margin_mm", 20.0},
                 {"skin", {{"thickness_mm", 2.0}, {"layers", 1}}}}},
               {"boundary", {{"segment_interface", "bonded"}}},
-              {"field", {{"resolution", 96}, {"band_mm", 6}}}};
+              {"field", {{"resolution", 128}, {"band_mm", 6}}}};
   return one;
 }
 
-image::CtVolume phantom_scan(const PhantomCohortJob& job, const PhantomCase& one) {
+anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job, const PhantomCase& one) {
   anatomy::SyntheticMaterials materials;
   materials.noise_hu = job.noise_hu;
-  image::CtVolume ct =
-      anatomy::synthetic_scan(anatomy::synthetic_grid(job.voxel_mm), materials, one.seed);
-  ct.grid.spacing_mm = ct.grid.spacing_mm.cwiseProduct(one.scale);
-  ct.grid.origin_L = ct.grid.origin_L.cwiseProduct(one.scale);
-  return ct;
+  const image::Grid grid = anatomy::synthetic_grid(job.voxel_mm);
+  anatomy::LabeledScan scan{anatomy::synthetic_scan(grid, materials, one.seed),
+                            anatomy::synthetic_labels(grid)};
+  for (image::Grid* stretched_grid : {&scan.ct.grid, &scan.labels.grid}) {
+    stretched_grid->spacing_mm = stretched_grid->spacing_mm.cwiseProduct(one.scale);
+    stretched_grid->origin_L = stretched_grid->origin_L.cwiseProduct(one.scale);
+  }
+  return scan;
 }
 
 }  // namespace lefort::pipeline

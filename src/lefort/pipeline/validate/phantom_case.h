@@ -3,8 +3,8 @@
 /// Reads no file.
 #pragma once
 
+#include <lefort/anatomy/head_from_surfaces.h>
 #include <lefort/core/types.h>
-#include <lefort/image/volume.h>
 #include <lefort/pipeline/validate.h>
 
 #include <nlohmann/json.hpp>
@@ -16,12 +16,12 @@ namespace lefort::pipeline {
 
 /// Parameters that all faces of a cohort are made with, and that its plans do not state.
 struct PhantomTruth {
-  double skin_ratio;           ///< Calibration parameter of this name.
-  double elevation_margin_mm;  ///< Calibration parameter of this name.
+  double skin_ratio;  ///< Calibration parameter of this name.
+  double poisson;     ///< Calibration parameter of this name.
 };
 
 /// \param seed  of the cohort.
-/// \returns a ratio from 2 to 12 and a margin from 6 to 18 mm.
+/// \returns a ratio from 2 to 12 and a Poisson's ratio from 0.36 to 0.48.
 [[nodiscard]] PhantomTruth draw_truth(std::uint64_t seed);
 
 struct PhantomCase {
@@ -32,6 +32,9 @@ struct PhantomCase {
   nlohmann::ordered_json plan;  ///< With default parameters.
 };
 
+/// File of the labels, which the plan of each case names.
+inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
+
 /// Draws the size of the head (0.95 to 1.05 along each axis) and the movement: in turn a setback of
 /// the mandible with autorotation, an advancement of the mandible, an advancement of the mid-face,
 /// and both jaws.
@@ -40,8 +43,9 @@ struct PhantomCase {
 /// \param number  of the case, from 0.
 [[nodiscard]] PhantomCase draw_case(const PhantomCohortJob& job, int number);
 
-/// The scan of a case: the synthetic head, stretched by its scale.
-[[nodiscard]] image::CtVolume phantom_scan(const PhantomCohortJob& job, const PhantomCase& one);
+/// The scan of a case and its true labels: the synthetic head, stretched by its scale.
+[[nodiscard]] anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job,
+                                                const PhantomCase& one);
 
 /// A number with the standard normal distribution, from 2 pseudorandom words of the key.
 [[nodiscard]] double normal_number(std::uint64_t key);

@@ -27,20 +27,29 @@ struct CaseJob {
 ///   the case.
 [[nodiscard]] Result<CaseResult> run_case(const CaseJob& job, Progress& progress);
 
+enum class CaseNotes { kForward, kDrop };
+
 /// Forwards the progress of a case with its name.
 class CaseProgress : public Progress {
  public:
-  CaseProgress(std::string prefix, Progress& inner) : prefix_(std::move(prefix)), inner_(inner) {}
+  /// \param prefix  of stages and notes.
+  /// \param inner   outlives this object.
+  /// \param notes   dropped where the same stages run many times.
+  CaseProgress(std::string prefix, Progress& inner, CaseNotes notes = CaseNotes::kForward)
+      : prefix_(std::move(prefix)), inner_(inner), notes_(notes) {}
   void begin_stage(std::string_view name) override {
     inner_.begin_stage(prefix_ + std::string(name));
   }
   void report(double fraction) override { inner_.report(fraction); }
-  void note(std::string_view sentence) override { inner_.note(prefix_ + std::string(sentence)); }
+  void note(std::string_view sentence) override {
+    if (notes_ == CaseNotes::kForward) inner_.note(prefix_ + std::string(sentence));
+  }
   [[nodiscard]] bool stop_requested() const override { return inner_.stop_requested(); }
 
  private:
   std::string prefix_;
   Progress& inner_;
+  CaseNotes notes_;
 };
 
 /// Whether an error is a property of the case, not of the run: the user stopped it, or the machine
