@@ -18,7 +18,7 @@ PROJECT_PAGES = ["CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "CODE_OF_COND
 SECTIONS = [("Guide", "guide"), ("Theory", "theory"), ("Reference", "reference"), ("Studies", "studies"),
             ("Decisions", "decisions")]
 ORDER = ["index", "surgeon", "researcher", "planner", "import", "osteotomies", "landmarks", "tissue-mesh", "compare",
-         "solve", "materials", "elements", "locking", "distance-field", "contact", "equilibrium", "cli"]
+         "validate", "solve", "materials", "elements", "locking", "distance-field", "contact", "equilibrium", "cli"]
 TOP = ["architecture", "conventions", "glossary", "roadmap"]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 

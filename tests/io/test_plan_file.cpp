@@ -422,7 +422,7 @@ TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {
   refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-9"; }, "template");
   refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-3"; }, "landmark FZ-R");
   refuse([](Json& s) { s[1]["osteotomy"].erase("curves"); },
-         "segments[1].osteotomy: must have planes, curves or a template");
+         "segments[1].osteotomy: must have planes, curves, a template or a bone");
   refuse([](Json& s) { s[1]["osteotomy"]["anchor_points"] = {"Me"}; },
          "segments[1].osteotomy.anchor_points: the plan has no landmark Me");
   refuse(

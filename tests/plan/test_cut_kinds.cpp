@@ -217,6 +217,36 @@ TEST(CutSegments, LaterCutsUseTheRemainderOrTheNamedSegment) {
   EXPECT_NEAR(all->skull_volume_mm3, 16000.0, 1e-6);
 }
 
+PlannedSegment whole_mandible(std::string name) {
+  PlannedSegment segment = planned({std::move(name), {}});
+  segment.is_whole_mandible = true;
+  return segment;
+}
+
+TEST(CutSegments, TheMandibleMovesAsAWholeWithoutACut) {
+  const TriangleMesh mandible = test::make_box({-10, -20, -30}, {10, 20, -20});
+  const std::vector<PlannedSegment> plan{whole_mandible("mandible"),
+                                         planned({"chin", {{{0, -5, 0}, {0, -1, 0}}}}, "mandible")};
+  const auto all = cut_segments(kBar, &mandible, plan);
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_NEAR(all->volumes_mm3[0], 5000.0, 1e-6);
+  EXPECT_NEAR(all->volumes_mm3[1], 3000.0, 1e-6);
+  EXPECT_NEAR(all->remainder_volume_mm3, 16000.0, 1e-6);
+  EXPECT_NEAR(all->skull_volume_mm3, 24000.0, 1e-6);
+  EXPECT_EQ(all->remainder_L.vertices, kBar.vertices);
+  EXPECT_TRUE(takes_mandible(plan));
+}
+
+TEST(CutSegments, AMandibleThatIsNotThereIsNotTaken) {
+  const auto refuse = [&](const TriangleMesh* mandible, const std::vector<PlannedSegment>& plan) {
+    const auto all = cut_segments(kBar, mandible, plan);
+    ASSERT_FALSE(all);
+    EXPECT_EQ(all.error().code, ErrorCode::kAnatomyMissing);
+  };
+  refuse(nullptr, {whole_mandible("mandible")});
+  refuse(&kBar, {whole_mandible("mandible"), whole_mandible("again")});
+}
+
 TEST(CutSegments, RejectsInvalidNames) {
   const Osteotomy cut{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   const auto refuse = [&](const std::vector<PlannedSegment>& plan, const char* words) {

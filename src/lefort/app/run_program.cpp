@@ -33,6 +33,8 @@ int run_program(int argc, char** argv) {
   add_plan_command(cli, context);
   add_predict_command(cli, context);
   add_compare_command(cli, context);
+  add_validate_command(cli, context);
+  add_calibrate_command(cli, context);
   add_solve_command(cli, context);
   add_serve_command(cli, context);
   add_bench_command(cli, context);

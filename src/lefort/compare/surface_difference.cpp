@@ -58,7 +58,9 @@ SurfaceDifference measure_difference(const TriangleMesh& from, const geometry::B
   const geometry::Pseudonormals normals(from);
   SurfaceDifference difference;
   difference.area_mm2 = vertex_areas(from);
-  difference.signed_mm.assign(from.vertices.size(), std::numeric_limits<double>::quiet_NaN());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  difference.signed_mm.assign(from.vertices.size(), kNone);
+  difference.offset_mm.assign(from.vertices.size(), Vec3::Constant(kNone));
   parallel_for(from.vertex_count(), [&](Index v) {
     const Vec3& p = from.vertices[std::size_t(v)];
     const auto nearest = onto.closest_point(p, options.max_mm);
@@ -68,6 +70,7 @@ SurfaceDifference measure_difference(const TriangleMesh& from, const geometry::B
     const bool is_outside = there.dot(p - nearest->point) >= 0.0;
     difference.signed_mm[std::size_t(v)] =
         is_outside ? nearest->distance_mm : -nearest->distance_mm;
+    difference.offset_mm[std::size_t(v)] = p - nearest->point;
   });
   return difference;
 }

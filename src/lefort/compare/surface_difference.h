@@ -19,6 +19,8 @@ struct SurfaceDifference {
   std::vector<double> signed_mm;
   /// One per vertex [mm^2]: a third of the area of its triangles.
   std::vector<double> area_mm2;
+  /// One per vertex [mm]: from the closest point of the other surface to the vertex; NaN as above.
+  std::vector<Vec3> offset_mm{};
 };
 
 /// Computes the distance of every vertex of `from` from the surface `onto`.

@@ -19,7 +19,31 @@ std::size_t index_of(std::span<const PlannedSegment> planned, std::size_t end,
       planned.begin());
 }
 
+/// The whole mandible as the segment of an osteotomy that cuts nothing.
+Result<OsteotomyResult> take_mandible(const geometry::TriangleMesh* mandible_L,
+                                      const geometry::TriangleMesh& skull_L,
+                                      const std::string& segment) {
+  if (mandible_L == nullptr)
+    return fail(ErrorCode::kAnatomyMissing,
+                fmt::format("osteotomy of '{}': the mandible is not a bone of its own, must be "
+                            "labeled as mandible and not be taken by an earlier segment",
+                            segment));
+  OsteotomyResult bones;
+  bones.segment_L = *mandible_L;
+  bones.remainder_L = skull_L;
+  bones.segment_volume_mm3 = geometry::signed_volume_mm3(bones.segment_L);
+  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
+  bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
+  bones.segment_pieces = 1;
+  return bones;
+}
+
 }  // namespace
+
+bool takes_mandible(std::span<const PlannedSegment> planned) {
+  return std::any_of(planned.begin(), planned.end(),
+                     [](const PlannedSegment& one) { return one.is_whole_mandible; });
+}
 
 std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planned) {
   std::vector<geometry::RigidPath> paths;
@@ -43,15 +67,26 @@ Result<void> check_segments(std::span<const PlannedSegment> planned) {
 
 Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                  std::span<const PlannedSegment> planned, Progress& progress) {
+  return cut_segments(skull_L, nullptr, planned, progress);
+}
+
+Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
+                                 const geometry::TriangleMesh* mandible_L,
+                                 std::span<const PlannedSegment> planned, Progress& progress) {
   LEFORT_TRY_VOID(check_segments(planned));
   CutSegments all;
   all.remainder_L = skull_L;
+  all.skull_volume_mm3 = geometry::signed_volume_mm3(skull_L) +
+                         (mandible_L ? geometry::signed_volume_mm3(*mandible_L) : 0.0);
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const PlannedSegment& one = planned[k];
     const std::size_t from = index_of(planned, k, one.cut_from);
     geometry::TriangleMesh& source = one.cut_from.empty() ? all.remainder_L : all.segments_L[from];
-    LEFORT_TRY(OsteotomyResult bones, perform_osteotomy(source, one.osteotomy, one.cut, progress));
-    if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;
+    const bool is_whole = one.is_whole_mandible;
+    LEFORT_TRY(OsteotomyResult bones,
+               is_whole ? take_mandible(mandible_L, source, one.osteotomy.segment)
+                        : perform_osteotomy(source, one.osteotomy, one.cut, progress));
+    if (is_whole) mandible_L = nullptr;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
     source = std::move(bones.remainder_L);
     if (!one.cut_from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;

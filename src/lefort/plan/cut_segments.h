@@ -22,6 +22,9 @@ struct PlannedSegment {
   std::string cut_from{};  ///< The earlier segment it is cut from; empty: the remainder.
   geometry::RigidPath path{};
   bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap it leaves.
+  /// The segment is the whole bone labeled as mandible. Nothing is cut: of the osteotomy only the
+  /// name is used. For cases that are known as surfaces, without the cuts of the surgery.
+  bool is_whole_mandible = false;
 };
 
 /// \param planned  the segments.
@@ -51,6 +54,20 @@ struct CutSegments {
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                std::span<const PlannedSegment> planned,
                                                Progress& progress = Progress::none());
+
+/// The same for a plan whose first segment may be the whole mandible.
+///
+/// \param skull_L     closed; without the mandible if `mandible_L` is given.
+/// \param mandible_L  closed; null if the mandible is part of `skull_L`.
+/// \returns as above; also kAnatomyMissing if a segment is the whole mandible and `mandible_L` is
+///   null or taken by an earlier segment.
+[[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
+                                               const geometry::TriangleMesh* mandible_L,
+                                               std::span<const PlannedSegment> planned,
+                                               Progress& progress = Progress::none());
+
+/// \returns whether a segment is the whole mandible.
+[[nodiscard]] bool takes_mandible(std::span<const PlannedSegment> planned);
 
 /// Checks the names and `cut_from` of all segments.
 ///

@@ -1,6 +1,9 @@
 /// \file
-/// The content of the report of a prediction. Texts are plain UTF-8; report_html() escapes them.
+/// The content of a report, of a prediction or of a cohort. Texts are plain UTF-8; report_html()
+/// escapes them.
 #pragma once
+
+#include <lefort/report/plot_lines.h>
 
 #include <string>
 #include <vector>
@@ -56,8 +59,12 @@ struct CaseReport {
 
   std::vector<BeforeAfter> comparisons{};
   std::vector<ReportPicture> pictures{};
+  std::string pictures_heading = "Before and after";
   std::vector<KeyNumber> key_numbers{};
   std::vector<ReportTable> tables{};
+
+  std::vector<LinePlot> plots{};
+  std::string plots_heading = "Plots";
 
   std::vector<SolverStep> steps{};   ///< In the order of the path.
   double residual_tolerance = 1e-6;  ///< Convergence criterion of the relative residual.

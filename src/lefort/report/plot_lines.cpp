@@ -180,6 +180,7 @@ std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const
     pen_down = true;
   }
   if (path.empty()) return {};
+  if (line.points_only) return dots;
   path.pop_back();
   return fmt::format("<path d='{}' style='fill:none;stroke-width:1.8;{}'/>\n", path, stroke(look)) +
          dots;

@@ -15,7 +15,8 @@ enum class Axis { kLinear, kLog };
 struct PlotLine {
   std::string name{};  ///< For the legend; lines of equal name have one entry and one color.
   std::vector<double> x{};
-  std::vector<double> y{};  ///< As many as x.
+  std::vector<double> y{};   ///< As many as x.
+  bool points_only = false;  ///< Dots without the line.
 };
 
 struct LinePlot {

@@ -99,14 +99,19 @@ std::string tables(const CaseReport& report) {
   return html;
 }
 
-std::string solver(const CaseReport& report) {
-  if (report.steps.empty()) return {};
+std::string plots(const std::vector<LinePlot>& plots) {
+  if (plots.empty()) return {};
   std::string figures;
-  for (const LinePlot& plot :
-       {residual_plot(report.steps, report.residual_tolerance), penetration_plot(report.steps)})
+  for (const LinePlot& plot : plots)
     figures +=
         fmt::format("<figure>\n<h3>{}</h3>\n{}</figure>\n", escaped(plot.title), plot_lines(plot));
   return "<div class=\"pictures plots\">\n" + figures + "</div>\n";
+}
+
+std::string solver(const CaseReport& report) {
+  if (report.steps.empty()) return {};
+  return plots(
+      {residual_plot(report.steps, report.residual_tolerance), penetration_plot(report.steps)});
 }
 
 std::string list(const std::vector<std::string>& sentences) {
@@ -163,10 +168,11 @@ std::string report_html(const CaseReport& report) {
   html += "<body>\n" + banners(report) + "<main>\n";
   html += fmt::format("<h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n<p class=\"plan\">{}</p>\n",
                       escaped(report.title), escaped(report.subtitle), escaped(report.plan));
-  html += section("Before and after", pictures(report));
+  html += section(report.pictures_heading, pictures(report));
   html += section("Key numbers", key_numbers(report));
   html += section("Please note", list(report.notes));
   html += section("Measurements", tables(report));
+  html += section(report.plots_heading, plots(report.plots));
   html += section("Convergence of the solver", solver(report));
   html += section("Provenance", provenance(report));
   html += section("Limitations", limitations(report));

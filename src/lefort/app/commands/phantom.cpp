@@ -1,18 +1,48 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/pipeline/import.h>
+#include <lefort/pipeline/validate.h>
 
 #include <map>
 #include <memory>
 
 namespace lefort::app {
+namespace {
+
+void add_cohort_options(CLI::App& command, pipeline::PhantomCohortJob& cohort) {
+  CLI::Option* const cases =
+      command
+          .add_option(
+              "--cohort", cohort.cases,
+              "Instead of one head: a cohort of this many cases for validate and calibrate, "
+              "with faces after surgery made by predictions; truth.json has their "
+              "parameters")
+          ->check(CLI::Range(1, 99));
+  command.add_option("--seed", cohort.seed, "Of a cohort: heads, movements and parameters")
+      ->needs(cases)
+      ->capture_default_str();
+  command
+      .add_option("--skin-noise", cohort.skin_noise_mm,
+                  "Of a cohort: standard deviation of the measured skin [mm]")
+      ->check(CLI::Range(0.0, 5.0))
+      ->needs(cases)
+      ->capture_default_str();
+  command.add_option("--element-size", cohort.element_size_mm, "Of a cohort: of its plans [mm]")
+      ->check(CLI::Range(2.0, 20.0))
+      ->needs(cases)
+      ->capture_default_str();
+}
+
+}  // namespace
 
 void add_phantom_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::PhantomJob>();
+  const auto cohort = std::make_shared<pipeline::PhantomCohortJob>();
+  cohort->cases = 0;
   CLI::App* const command = cli.add_subcommand(
       "phantom", "Write DICOM files of a synthetic head, to try lefort without a patient");
   command
       ->add_option("-o,--output", job->output,
-                   "Folder for dicom/ and labels.seg.nrrd, the true labels")
+                   "Folder for dicom/ and labels.seg.nrrd, the true labels; or for the cohort")
       ->required();
   const std::map<std::string, pipeline::PhantomVariant> variants{
       {"plain", pipeline::PhantomVariant::kPlain},
@@ -23,20 +53,27 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
   command->add_option("--variant", job->variant, "How it is scanned (plain)")
       ->transform(CLI::CheckedTransformer(variants).description(
           "{plain,tilted,shuffled,oblique,feet-first}"));
-  command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm]")
-      ->check(CLI::Range(0.3, 5.0))
-      ->capture_default_str();
+  CLI::Option* const voxel =
+      command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm] (1.4; of a cohort: 2)")
+          ->check(CLI::Range(0.3, 5.0));
   command->add_option("--noise", job->noise_hu, "Standard deviation of the noise [HU]")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str();
+  add_cohort_options(*command, *cohort);
   command->footer(
       "Examples:\n"
       "  lefort phantom -o head/\n"
       "  lefort import head/dicom -o ct.nrrd\n"
-      "  lefort segment ct.nrrd -o anatomy/");
-  command->callback([job, &context] {
-    context.run("phantom",
-                [&](Progress& progress) { return pipeline::make_phantom(*job, progress); });
+      "  lefort segment ct.nrrd -o anatomy/\n"
+      "  lefort phantom --cohort 10 -o cohort/");
+  command->callback([job, cohort, voxel, &context] {
+    cohort->output = job->output;
+    cohort->noise_hu = job->noise_hu;
+    if (voxel->count() > 0) cohort->voxel_mm = job->voxel_mm;
+    context.run("phantom", [&](Progress& progress) {
+      return cohort->cases > 0 ? pipeline::make_phantom_cohort(*cohort, progress)
+                               : pipeline::make_phantom(*job, progress);
+    });
   });
 }
 

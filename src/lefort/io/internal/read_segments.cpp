@@ -179,12 +179,21 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
   plan::Osteotomy osteotomy;
   const bool has_cuts =
       json.contains("planes") || json.contains("curves") || json.contains("additional_regions");
+  if (json.contains("bone")) {
+    if (has_cuts || json.contains("template") || json.contains("kerf_mm") ||
+        json.contains("anchor_points"))
+      return bad(key,
+                 "bone moves a whole bone: planes, curves, additional_regions, template, "
+                 "kerf_mm and anchor_points are not allowed");
+    osteotomy.segment = name;
+    return osteotomy;
+  }
   if (json.contains("template")) {
     if (has_cuts) return bad(key, "a template excludes planes, curves and additional_regions");
     LEFORT_TRY(osteotomy, from_template(json["template"], name, key + ".template", context));
   } else {
     if (!json.contains("planes") && !json.contains("curves"))
-      return bad(key, "must have planes, curves or a template");
+      return bad(key, "must have planes, curves, a template or a bone");
     LEFORT_TRY(plan::CutRegion first, read_region(json, key, context));
     osteotomy.planes = std::move(first.planes);
     osteotomy.curves = std::move(first.curves);
@@ -325,6 +334,7 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     const auto name = json["name"].get<std::string>();
     plan::PlannedSegment one;
     LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
+    one.is_whole_mandible = json["osteotomy"].contains("bone");  // The schema knows no other bone.
     read(json["osteotomy"], "min_piece_ml", one.cut.min_piece_ml);
     read(json["osteotomy"], "min_piece_fraction", one.cut.min_piece_fraction);
     read(json, "cut_from", one.cut_from);

@@ -79,17 +79,23 @@ Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& t
                         {"skull_sha256", io::Sha256().add(skull_L).hex()}};
 }
 
+/// The bones before the osteotomies; see ScannedHead.
+struct Bones {
+  geometry::TriangleMesh skull_L;
+  std::optional<geometry::TriangleMesh> mandible_L{};
+};
+
 /// The skull before the osteotomies: a surface, or the bone of a scan.
-Result<geometry::TriangleMesh> find_skull(const CheckPlanJob& job, const io::PlanFile& plan,
-                                          Progress& progress) {
+Result<Bones> find_skull(const CheckPlanJob& job, const io::PlanFile& plan, Progress& progress) {
   if (job.skull) {
     progress.begin_stage("read the skull");
-    return io::read_surface(*job.skull);
+    LEFORT_TRY(geometry::TriangleMesh skull_L, io::read_surface(*job.skull));
+    return Bones{std::move(skull_L)};
   }
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
   LEFORT_TRY(ScannedHead head,
              scan_head(plan, ct, StageCache(job.cache.value_or(job.output / "cache")), progress));
-  return std::move(head.skull_L);
+  return Bones{std::move(head.skull_L), std::move(head.mandible_L)};
 }
 
 /// Landmarks after surgery that move with bone.
@@ -207,17 +213,19 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
-  LEFORT_TRY(const geometry::TriangleMesh skull_L, find_skull(job, plan, progress));
+  LEFORT_TRY(const Bones before, find_skull(job, plan, progress));
 
   progress.begin_stage("cut the bone");
-  LEFORT_TRY(const plan::CutSegments cut, plan::cut_segments(skull_L, plan.segments, progress));
+  LEFORT_TRY(const plan::CutSegments cut,
+             plan::cut_segments(before.skull_L, before.mandible_L ? &*before.mandible_L : nullptr,
+                                plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
   progress.begin_stage("check bone overlap");
   LEFORT_TRY(const predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
 
   nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
-  LEFORT_TRY(result["inputs"], provenance(job, plan_text, skull_L));
+  LEFORT_TRY(result["inputs"], provenance(job, plan_text, before.skull_L));
   std::string text = in_words(check, cut);
   std::string table;
   const MovedLandmarks after = move_landmarks(plan.landmarks, cut, plan.segments);

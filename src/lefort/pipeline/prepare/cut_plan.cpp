@@ -54,7 +54,7 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   LEFORT_TRY(const ScannedHead head, scan_head(plan, job.ct, cache, progress));
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,
-             plan::cut_segments(head.skull_L, plan.segments, progress));
+             plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
 
   nlohmann::json list = nlohmann::json::array();

@@ -5,8 +5,11 @@
 #include <lefort/io/sha256.h>
 #include <lefort/pipeline/cache/stage_keys.h>
 #include <lefort/pipeline/prepare/load_head.h>
+#include <lefort/plan/cut_segments.h>
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace lefort::pipeline {
 namespace {
@@ -28,6 +31,33 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
       });
 }
 
+/// The surface of the labeled bone, without that of `excluded`.
+Result<geometry::TriangleMesh> bone_surface(const image::CtVolume& ct, anatomy::LabelMap labels,
+                                            std::optional<anatomy::Tissue> excluded,
+                                            anatomy::Cavities cavities,
+                                            const anatomy::LevelOptions& levels,
+                                            Progress& progress) {
+  if (excluded)
+    std::replace(labels.values.begin(), labels.values.end(), *excluded,
+                 anatomy::Tissue::kSoftTissue);
+  return anatomy::extract_isosurface(anatomy::bone_level(ct, labels, cavities, levels), {},
+                                     progress);
+}
+
+/// The mandible as a bone of its own, if it is labeled.
+Result<std::optional<geometry::TriangleMesh>> mandible_surface(const image::CtVolume& ct,
+                                                               const anatomy::LabelMap& labels,
+                                                               const anatomy::LevelOptions& levels,
+                                                               Progress& progress) {
+  const auto& values = labels.values;
+  if (std::find(values.begin(), values.end(), anatomy::Tissue::kMandible) == values.end())
+    return std::nullopt;
+  LEFORT_TRY(
+      geometry::TriangleMesh mandible_L,
+      bone_surface(ct, labels, anatomy::Tissue::kBone, anatomy::Cavities::kKeep, levels, progress));
+  return mandible_L;
+}
+
 }  // namespace
 
 Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
@@ -41,12 +71,16 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
   progress.begin_stage("extract surfaces");
   const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
                                      .skin_hu = plan.segmentation.skin_hu};
+  std::optional<geometry::TriangleMesh> mandible_L;
+  if (plan::takes_mandible(plan.segments)) {
+    LEFORT_TRY(mandible_L, mandible_surface(scan.ct, labels, levels, progress));
+  }
   LEFORT_TRY(geometry::TriangleMesh skull_L,
-             anatomy::extract_isosurface(
-                 anatomy::bone_level(scan.ct, labels, anatomy::Cavities::kFillSinuses, levels), {},
-                 progress));
-  return ScannedHead{std::move(scan), std::move(ct_sha256), std::move(labels), levels,
-                     std::move(skull_L)};
+             bone_surface(scan.ct, labels,
+                          mandible_L ? std::optional(anatomy::Tissue::kMandible) : std::nullopt,
+                          anatomy::Cavities::kFillSinuses, levels, progress));
+  return ScannedHead{std::move(scan), std::move(ct_sha256), std::move(labels),
+                     levels,          std::move(skull_L),   std::move(mandible_L)};
 }
 
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {

@@ -12,6 +12,7 @@
 #include <lefort/pipeline/cache/stage_cache.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace lefort::pipeline {
@@ -23,6 +24,12 @@ struct ScannedHead {
   anatomy::LabelMap labels;
   anatomy::LevelOptions levels;
   geometry::TriangleMesh skull_L;
+  /// If the plan moves the mandible as a whole; `skull_L` is then without it.
+  std::optional<geometry::TriangleMesh> mandible_L{};
+
+  [[nodiscard]] const geometry::TriangleMesh* mandible() const {
+    return mandible_L ? &*mandible_L : nullptr;
+  }
 };
 
 /// \param plan  names the labels, or has the options to segment them.

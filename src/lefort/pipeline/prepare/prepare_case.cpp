@@ -73,11 +73,11 @@ struct BonesAndFields {
 };
 
 /// Checks the paths, too, because that takes seconds and meshing takes minutes.
-Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const geometry::TriangleMesh& skull_L,
+Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& head,
                                 const StageCache& cache, Progress& progress) {
   progress.begin_stage("cut the bone");
   BonesAndFields bones;
-  LEFORT_TRY(bones.cut, plan::cut_segments(skull_L, plan.segments, progress));
+  LEFORT_TRY(bones.cut, plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
   for (const geometry::TriangleMesh& segment_L : bones.cut.segments_L)
     plan::append(bones.segments_L, segment_L);
   for (const plan::OsteotomyResult& result : bones.cut.cuts) note_fragments(result, progress);
@@ -236,7 +236,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(geometry::TriangleMesh skin_L,
              anatomy::extract_isosurface(
                  anatomy::skin_level(head.scan.ct, head.labels, head.levels), {}, progress));
-  LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head.skull_L, cache, progress));
+  LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head, cache, progress));
   LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(bones, plan, cache, progress));
   LEFORT_TRY(predict::TissueBoundary boundary,

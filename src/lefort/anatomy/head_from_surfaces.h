@@ -1,0 +1,48 @@
+/// \file
+/// A scan and its labels, made of closed surfaces of skin and bone: for cases without a CT.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/image/volume.h>
+
+#include <optional>
+
+namespace lefort::anatomy {
+
+/// Closed surfaces of one head, in L.
+struct HeadSurfaces {
+  geometry::TriangleMesh skin_L;
+  geometry::TriangleMesh skull_L;
+  std::optional<geometry::TriangleMesh> mandible_L{};
+};
+
+/// CT numbers and labels on one grid.
+struct LabeledScan {
+  image::CtVolume ct;
+  LabelMap labels;
+};
+
+/// Voxelizes a head. CT numbers are linear in the distance to a surface within half a voxel of it,
+/// so that the iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. Inside
+/// the bone the number is 1200 HU, in soft tissue 40, in air -1000. The mandible takes precedence
+/// over the skull, bone over soft tissue. The cranial cavity is found as in a scan; airway and
+/// sinuses are unknown and count as soft tissue.
+///
+/// A flat end of the skin across an axis of L (400 mm^2 or more, where a scan was truncated) is cut
+/// off by two voxels: the grid ends there, as that of the scan did.
+///
+/// \param surfaces  closed; orientation is corrected.
+/// \param voxel_mm  edge of a voxel, > 0.
+/// \param progress  receives the fraction done; may request a stop.
+/// \returns scan and labels, or
+///   - kInvalidArgument  the voxel size is not positive, or the grid has more than 5e8 voxels;
+///   - kMeshInvalid      a surface is empty, open (the message names it and an edge) or not finite;
+///   - kAnatomyMissing   no bone lies inside the skin;
+///   - kCancelled        `progress` requested a stop.
+[[nodiscard]] Result<LabeledScan> scan_from_surfaces(const HeadSurfaces& surfaces, double voxel_mm,
+                                                     Progress& progress = Progress::none());
+
+}  // namespace lefort::anatomy

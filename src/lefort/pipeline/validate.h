@@ -1,0 +1,72 @@
+/// \file
+/// Validation of predictions on a cohort of patients, and calibration of their parameters.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/pipeline/summary.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::pipeline {
+
+struct ValidateJob {
+  std::filesystem::path cohort;  ///< A folder of case folders: docs/guide/validate.md.
+  std::filesystem::path output;  ///< A folder; created if missing. Not inside the cohort.
+  /// Movements found in the bone after surgery, instead of those of the plans.
+  bool achieved_movements = false;
+  std::optional<double> element_size_mm{};  ///< Instead of the plans'; > 0.
+  double voxel_mm = 1.0;                    ///< Of cases that are known as surfaces; > 0.
+  bool pictures = true;
+};
+
+/// Predicts each case of a cohort and compares it with the achieved face; writes validation.json,
+/// validation.csv, report.html and pictures/. A case that fails is reported with its reason. The
+/// results of cases are stored: a run that was stopped resumes, and writes the same bytes.
+///
+/// \returns the summary; or
+///   - kFileNotFound     the cohort does not exist;
+///   - kInvalidArgument  it has no case, or the output is inside it;
+///   - kFileUnwritable   a result could not be written;
+///   - kCancelled        `progress` requested a stop.
+[[nodiscard]] Result<Summary> validate_cohort(const ValidateJob& job, Progress& progress);
+
+struct CalibrateJob {
+  std::filesystem::path cohort;  ///< As for ValidateJob.
+  std::filesystem::path output;  ///< A folder; created if missing. Not inside the cohort.
+  bool achieved_movements = false;
+  std::vector<std::string> parameters{};    ///< Names; empty: default_parameters().
+  std::optional<double> element_size_mm{};  ///< Default: 4, or that of the plan if it is larger.
+  double voxel_mm = 1.0;
+  int max_iterations = 8;  ///< Of each fit; >= 1.
+};
+
+/// Fits parameters of the prediction to a cohort, and to the cohort without each case in turn;
+/// writes calibration.json, calibration.csv and calibration.html. Evaluations are stored: a run
+/// that was stopped resumes, and writes the same bytes.
+///
+/// \returns the summary; as validate_cohort(); or kInvalidArgument for an unknown parameter or
+///   fewer than two cases that can be predicted.
+[[nodiscard]] Result<Summary> calibrate_cohort(const CalibrateJob& job, Progress& progress);
+
+struct PhantomCohortJob {
+  std::filesystem::path output;  ///< A folder; created if missing, empty.
+  int cases = 10;                ///< >= 1.
+  double voxel_mm = 2.0;         ///< Of the scans.
+  double noise_hu = 12.0;        ///< Standard deviation of the noise of the scans.
+  double skin_noise_mm = 0.3;    ///< Standard deviation of the measured skin after surgery.
+  double element_size_mm = 5.0;  ///< Of the plans.
+  std::uint64_t seed = 1;
+};
+
+/// Writes a cohort of synthetic cases: a scan before surgery, a plan, the skin after surgery, and
+/// truth.json with the parameters that the faces were made with.
+///
+/// \returns the summary, or what prepare_case() and predict_face() return.
+[[nodiscard]] Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progress);
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,49 @@
+/// \file
+/// The plan of a case of a cohort, completed for its prediction.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/types.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/pipeline/validate/find_cases.h>
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace lefort::pipeline {
+
+/// Where the scan of a case is, and its plan will be.
+struct CaseFiles {
+  std::filesystem::path scan;
+  std::optional<std::filesystem::path> labels{};  ///< Instead of a segmentation.
+  std::filesystem::path work;                     ///< Folder of the completed plan.
+};
+
+struct CasePlan {
+  nlohmann::ordered_json json;         ///< Valid; paths are relative to the work folder.
+  std::vector<bool> lacks_movement{};  ///< By segment: without a path it stays in place in `json`.
+};
+
+/// The plan of the case, of the cohort or, without both, of the mandible as a whole.
+///
+/// \param one              the case.
+/// \param files            named in the plan.
+/// \param element_size_mm  of the mesh near the segments, instead of the plan's; that far away
+///   becomes twice as large, or stays as it is if it is larger.
+/// \returns the plan, or kPlanInvalid if it is not one.
+[[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
+                                          std::optional<double> element_size_mm);
+
+/// Replaces the path of a segment by a straight one, with a step for each millimeter.
+///
+/// \param plan       of draft_plan().
+/// \param segment    number of the segment.
+/// \param X_LB       its pose at the end of the path.
+/// \param segment_B  its surface.
+void set_movement(CasePlan& plan, std::size_t segment, const RigidTransform& X_LB,
+                  const geometry::TriangleMesh& segment_B);
+
+}  // namespace lefort::pipeline

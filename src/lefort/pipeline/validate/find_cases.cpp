@@ -1,0 +1,218 @@
+#include <lefort/io/plan_inputs.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/volume_files.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/validate/find_cases.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using OptionalPath = std::optional<fs::path>;
+
+constexpr std::array kSurfaceEndings{".vtp", ".stl", ".ply", ".obj"};
+constexpr std::array kLandmarkEndings{".mrk.json", ".csv"};
+constexpr std::uintmax_t kMaxPlanBytes = 4 << 20;  // Bytes, as io/plan_file.
+
+bool is_surface(const std::string& ending) {
+  return std::find(kSurfaceEndings.begin(), kSurfaceEndings.end(), ending) != kSurfaceEndings.end();
+}
+
+bool is_landmarks(const std::string& ending) {
+  return std::find(kLandmarkEndings.begin(), kLandmarkEndings.end(), ending) !=
+         kLandmarkEndings.end();
+}
+
+bool is_scan(const std::string& ending) {
+  return ending.empty() ||
+         (ending.front() == '.' && (ending == ".inv3" || io::is_volume_file("scan" + ending)));
+}
+
+/// The entry STEM + ending of a folder. A folder has the ending "".
+template <class Accepts>
+Result<OptionalPath> find_one(const std::vector<fs::path>& entries, const std::string& stem,
+                              const Accepts& accepts) {
+  OptionalPath found;
+  for (const fs::path& entry : entries) {
+    const std::string name = entry.filename().string();
+    if (!name.starts_with(stem)) continue;
+    std::error_code error;
+    const std::string ending = name.substr(stem.size());
+    if (ending.empty() != fs::is_directory(entry, error) || !accepts(ending)) continue;
+    if (found)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the case has {} and {}, must have one of them",
+                              found->filename().string(), name));
+    found = entry;
+  }
+  return found;
+}
+
+Result<SurfaceFiles> find_surfaces(const std::vector<fs::path>& entries, const std::string& when) {
+  SurfaceFiles files;
+  LEFORT_TRY(files.skin, find_one(entries, when + "_skin", is_surface));
+  LEFORT_TRY(files.skull, find_one(entries, when + "_skull", is_surface));
+  LEFORT_TRY(files.mandible, find_one(entries, when + "_mandible", is_surface));
+  return files;
+}
+
+Result<std::vector<fs::path>> entries_of(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> entries;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
+       it.increment(error))
+    entries.push_back(it->path());
+  if (error)
+    return fail(ErrorCode::kFileNotFound,
+                fmt::format("{} cannot be listed: {}", folder.string(), error.message()));
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+Result<void> check_files(const CohortCase& one) {
+  const auto bad = [](const std::string& what) { return fail(ErrorCode::kInvalidArgument, what); };
+  const bool has_surface = one.before.skin || one.before.skull || one.before.mandible;
+  if (one.before_scan && has_surface)
+    return bad("the case has a scan and surfaces before surgery, must have one of them");
+  if (!one.before_scan && !(one.before.skin && one.before.skull))
+    return bad(
+        "the case has no head before surgery, must have before.nrrd (or another scan), or "
+        "before_skin and before_skull (.vtp, .stl, .ply, .obj)");
+  if (one.after_scan && one.after.skin)
+    return bad("the case has a scan and a skin after surgery, must have one of them");
+  if (!one.after_scan && !one.after.skin)
+    return bad(
+        "the case has no face after surgery, must have after.nrrd (or another scan), or after_skin "
+        "(.vtp, .stl, .ply, .obj)");
+  return {};
+}
+
+/// Hash of all files in a folder, by name.
+Result<std::string> sha256_of_folder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (auto it = fs::recursive_directory_iterator(folder, error);
+       !error && it != fs::recursive_directory_iterator(); it.increment(error))
+    if (it->is_regular_file(error)) files.push_back(it->path());
+  std::sort(files.begin(), files.end());
+  io::Sha256 hash;
+  for (const fs::path& file : files) {
+    LEFORT_TRY(const std::string sha256, io::sha256_of_file(file));
+    hash.add(sha256);
+  }
+  return hash.hex();
+}
+
+Result<std::string> sha256_of(const fs::path& input) {
+  std::error_code error;
+  return fs::is_directory(input, error) ? sha256_of_folder(input) : io::sha256_of_file(input);
+}
+
+/// Hashes of the files that a plan names. A plan that is not valid names none; reading it fails
+/// later, with a reason.
+Result<std::string> sha256_of_plan_files(const fs::path& plan) {
+  LEFORT_TRY(const std::string text, io::read_text(plan, kMaxPlanBytes));
+  io::Sha256 hash;
+  try {
+    LEFORT_TRY(const std::vector<io::InputFile> files, io::fingerprints(text, plan));
+    for (const io::InputFile& file : files) hash.add(file.name).add(file.sha256);
+  } catch (const nlohmann::json::exception&) {  // Not a plan.
+  }
+  return hash.hex();
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, fs::path>> CohortCase::inputs() const {
+  std::vector<std::pair<std::string, fs::path>> found;
+  const auto add = [&](const char* role, const OptionalPath& path) {
+    if (path) found.emplace_back(role, *path);
+  };
+  add("before", before_scan);
+  add("before_skin", before.skin);
+  add("before_skull", before.skull);
+  add("before_mandible", before.mandible);
+  add("after", after_scan);
+  add("after_skin", after.skin);
+  add("after_skull", after.skull);
+  add("after_mandible", after.mandible);
+  add("plan", plan);
+  add("landmarks", landmarks);
+  return found;
+}
+
+Result<std::vector<fs::path>> list_cases(const fs::path& cohort) {
+  std::error_code error;
+  if (!fs::is_directory(cohort, error))
+    return fail(ErrorCode::kFileNotFound,
+                fmt::format("{} does not exist or is not the folder of a cohort", cohort.string()));
+  LEFORT_TRY(const std::vector<fs::path> entries, entries_of(cohort));
+  std::vector<fs::path> folders;
+  for (const fs::path& entry : entries)
+    if (fs::is_directory(entry, error) && !entry.filename().string().starts_with('.'))
+      folders.push_back(entry);
+  if (folders.empty())
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} has no case: it must contain one folder per case", cohort.string()));
+  return folders;
+}
+
+Result<CohortCase> find_case(const fs::path& folder) {
+  LEFORT_TRY(const std::vector<fs::path> entries, entries_of(folder));
+  CohortCase one;
+  one.name = folder.filename().string();
+  one.folder = folder;
+  LEFORT_TRY(one.before_scan, find_one(entries, "before", is_scan));
+  LEFORT_TRY(one.after_scan, find_one(entries, "after", is_scan));
+  LEFORT_TRY(one.before, find_surfaces(entries, "before"));
+  LEFORT_TRY(one.after, find_surfaces(entries, "after"));
+  LEFORT_TRY(one.landmarks, find_one(entries, "landmarks", is_landmarks));
+  std::error_code error;
+  for (const fs::path& plan : {folder / "plan.json", folder.parent_path() / "plan.json"})
+    if (!one.plan && fs::is_regular_file(plan, error)) one.plan = plan;
+  LEFORT_TRY_VOID(check_files(one));
+  return one;
+}
+
+Result<std::string> fingerprint_case(const CohortCase& one) {
+  io::Sha256 hash;
+  for (const auto& [role, path] : one.inputs()) {
+    LEFORT_TRY(const std::string sha256, sha256_of(path));
+    hash.add(role).add(sha256);
+  }
+  if (one.plan) {
+    LEFORT_TRY(const std::string of_plan, sha256_of_plan_files(*one.plan));
+    hash.add(of_plan);
+  }
+  return hash.hex();
+}
+
+std::string without_paths(std::string message, const fs::path& cohort, const fs::path& output) {
+  std::vector<std::string> prefixes;
+  for (const fs::path& folder : {output, cohort}) {
+    std::error_code error;
+    for (const fs::path& form : {folder, fs::absolute(folder, error)}) {
+      std::string prefix = form.lexically_normal().string();
+      if (!prefix.ends_with('/')) prefix += '/';
+      prefixes.push_back(std::move(prefix));
+      prefixes.push_back(form.string() + "/");
+    }
+  }
+  // Long prefixes first: one may be part of another.
+  std::stable_sort(prefixes.begin(), prefixes.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (const std::string& prefix : prefixes)
+    for (std::size_t at = 0; (at = message.find(prefix, at)) != std::string::npos;)
+      message.erase(at, prefix.size());
+  return message;
+}
+
+}  // namespace lefort::pipeline

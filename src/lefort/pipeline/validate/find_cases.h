@@ -1,0 +1,59 @@
+/// \file
+/// The files of a cohort.
+#pragma once
+
+#include <lefort/core/error.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::pipeline {
+
+/// Surfaces of one head.
+struct SurfaceFiles {
+  std::optional<std::filesystem::path> skin{}, skull{}, mandible{};
+};
+
+/// The files of one case.
+struct CohortCase {
+  std::string name;
+  std::filesystem::path folder;
+  std::optional<std::filesystem::path> before_scan{};  ///< A file, or a folder of DICOM files.
+  SurfaceFiles before;                                 ///< Instead of a scan.
+  std::optional<std::filesystem::path> after_scan{};
+  SurfaceFiles after;                           ///< Instead of a scan.
+  std::optional<std::filesystem::path> plan{};  ///< Of the case, or of the cohort.
+  std::optional<std::filesystem::path> landmarks{};
+
+  /// Role and path of each file or folder that exists.
+  [[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> inputs() const;
+};
+
+/// Lists the case folders of a cohort by name; folders whose names start with a dot are ignored.
+///
+/// \param cohort  the folder.
+/// \returns the folders; kFileNotFound if the cohort is not a folder; kInvalidArgument if it
+///   contains none.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> list_cases(
+    const std::filesystem::path& cohort);
+
+/// Finds the files of a case by their names.
+///
+/// \param folder  of the case, as listed by list_cases().
+/// \returns the case; or kInvalidArgument if before or after is missing or ambiguous.
+[[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder);
+
+/// Hash of the contents of all inputs of a case, and of the files that its plan names. Their names
+/// and the place of the cohort do not matter.
+///
+/// \returns 64 hexadecimal digits, or what reading a file returns.
+[[nodiscard]] Result<std::string> fingerprint_case(const CohortCase& one);
+
+/// A message without the paths of the cohort and the output, which may identify a person.
+[[nodiscard]] std::string without_paths(std::string message, const std::filesystem::path& cohort,
+                                        const std::filesystem::path& output);
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,126 @@
+#include <lefort/anatomy/synthetic_head.h>
+#include <lefort/pipeline/validate/phantom_case.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace lefort::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Uniform numbers. Not std::uniform_real_distribution, whose numbers depend on the library.
+class UniformNumbers {
+ public:
+  explicit UniformNumbers(std::uint64_t seed) : bits_(seed) {}
+  [[nodiscard]] double draw(double low, double high) {
+    constexpr double kUnit = 0x1p-53;
+    return low + (high - low) * double(bits_() >> 11) * kUnit;
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+Json stretched(const Vec3& p, const Vec3& scale) {
+  const Vec3 q = p.cwiseProduct(scale);
+  return Json::array({q.x(), q.y(), q.z()});
+}
+
+Json path_of(const Vec3& translation_mm, double rotation_x_deg, const Json& about_mm) {
+  const Vec3& t = translation_mm;
+  return {{"steps", 4},
+          {"keyframes", Json::array({{{"translation_mm", {t.x(), t.y(), t.z()}},
+                                      {"rotation_deg", {rotation_x_deg, 0.0, 0.0}},
+                                      {"about_mm", about_mm}}})}};
+}
+
+/// The mandible turns about the axis through its condyles.
+Json mandible_segment(UniformNumbers& numbers, bool is_setback, const Vec3& scale) {
+  const Vec3 condyles(0.0, -18.0, -47.0);  // Of the synthetic head.
+  const double y_mm = numbers.draw(3.0, 6.0) * (is_setback ? 1.0 : -1.0);
+  const Vec3 translation_mm(numbers.draw(-0.5, 0.5), y_mm, numbers.draw(-1.0, 1.0));
+  return {{"name", "mandible"},
+          {"osteotomy", {{"bone", "mandible"}}},
+          {"path", path_of(translation_mm, numbers.draw(-2.0, 2.0), stretched(condyles, scale))}};
+}
+
+/// The block of the maxilla below its middle, anterior to the rami.
+Json midface_segment(UniformNumbers& numbers, const Vec3& scale) {
+  const Vec3 above(0.0, -50.0, -34.0), behind(0.0, -32.0, -50.0), anchor(15.0, -72.0, -50.0);
+  const Vec3 translation_mm(numbers.draw(-0.5, 0.5), -numbers.draw(3.0, 5.0),
+                            numbers.draw(-1.0, 1.0));
+  return {
+      {"name", "maxilla"},
+      {"osteotomy",
+       {{"planes",
+         Json::array({{{"point_mm", stretched(above, scale)}, {"towards_segment", {0, 0, -1}}},
+                      {{"point_mm", stretched(behind, scale)}, {"towards_segment", {0, -1, 0}}}})},
+        {"anchor_points", Json::array({stretched(anchor, scale)})}}},
+      {"path", path_of(translation_mm, 0.0, stretched(above, scale))}};
+}
+
+}  // namespace
+
+double normal_number(std::uint64_t key) {
+  UniformNumbers numbers(key);
+  // Box and Muller 1958; the first number is not zero.
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - numbers.draw(0.0, 1.0)));
+  return radius * std::cos(2.0 * std::numbers::pi * numbers.draw(0.0, 1.0));
+}
+
+PhantomTruth draw_truth(std::uint64_t seed) {
+  UniformNumbers numbers(seed);
+  const double logarithm = numbers.draw(std::log(2.0), std::log(12.0));
+  return {std::exp(logarithm), numbers.draw(0.36, 0.48)};
+}
+
+PhantomCase draw_case(const PhantomCohortJob& job, int number) {
+  constexpr std::uint64_t kStride = 1000003;  // Seeds of cohorts do not overlap.
+  PhantomCase one{.name = fmt::format("case_{:02}", number + 1),
+                  .seed = job.seed * kStride + std::uint64_t(number) + 1,
+                  .procedure = {},
+                  .scale = Vec3::Ones(),
+                  .plan = {}};
+  UniformNumbers numbers(one.seed);
+  for (Index axis = 0; axis < 3; ++axis) one.scale[axis] = numbers.draw(0.95, 1.05);
+  Json segments = Json::array();
+  const int kind = number % 4;
+  if (kind == 0 || kind == 3) segments.push_back(mandible_segment(numbers, true, one.scale));
+  if (kind == 1) segments.push_back(mandible_segment(numbers, false, one.scale));
+  if (kind >= 2) segments.push_back(midface_segment(numbers, one.scale));
+  one.procedure = kind == 0   ? "mandible setback"
+                  : kind == 1 ? "mandible advancement"
+                  : kind == 2 ? "mid-face advancement"
+                              : "mandible setback and mid-face advancement";
+  one.plan = {{"lefort_plan", 1},
+              {"title", one.procedure},
+              {"segmentation", {{"labels", kPhantomLabels}}},
+              {"segments", segments},
+              {"tissue",
+               {{"element_size_mm", job.element_size_mm},
+                {"far_element_size_mm", 2.0 * job.element_size_mm},
+                {"margin_mm", 20.0},
+                {"skin", {{"thickness_mm", 2.0}, {"layers", 1}}}}},
+              {"boundary", {{"segment_interface", "bonded"}}},
+              {"field", {{"resolution", 128}, {"band_mm", 6}}}};
+  return one;
+}
+
+anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job, const PhantomCase& one) {
+  anatomy::SyntheticMaterials materials;
+  materials.noise_hu = job.noise_hu;
+  const image::Grid grid = anatomy::synthetic_grid(job.voxel_mm);
+  anatomy::LabeledScan scan{anatomy::synthetic_scan(grid, materials, one.seed),
+                            anatomy::synthetic_labels(grid)};
+  for (image::Grid* stretched_grid : {&scan.ct.grid, &scan.labels.grid}) {
+    stretched_grid->spacing_mm = stretched_grid->spacing_mm.cwiseProduct(one.scale);
+    stretched_grid->origin_L = stretched_grid->origin_L.cwiseProduct(one.scale);
+  }
+  return scan;
+}
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,53 @@
+/// \file
+/// The synthetic cases of a phantom cohort: shapes, movements and parameters drawn from a seed.
+/// Reads no file.
+#pragma once
+
+#include <lefort/anatomy/head_from_surfaces.h>
+#include <lefort/core/types.h>
+#include <lefort/pipeline/validate.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace lefort::pipeline {
+
+/// Parameters that all faces of a cohort are made with, and that its plans do not state.
+struct PhantomTruth {
+  double skin_ratio;  ///< Calibration parameter of this name.
+  double poisson;     ///< Calibration parameter of this name.
+};
+
+/// \param seed  of the cohort.
+/// \returns a ratio from 2 to 12 and a Poisson's ratio from 0.36 to 0.48.
+[[nodiscard]] PhantomTruth draw_truth(std::uint64_t seed);
+
+struct PhantomCase {
+  std::string name;  ///< "case_01".
+  std::uint64_t seed;
+  std::string procedure;        ///< "mandible setback", ...
+  Vec3 scale;                   ///< Of the synthetic head along x, y, z.
+  nlohmann::ordered_json plan;  ///< With default parameters.
+};
+
+/// File of the labels, which the plan of each case names.
+inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
+
+/// Draws the size of the head (0.95 to 1.05 along each axis) and the movement: in turn a setback of
+/// the mandible with autorotation, an advancement of the mandible, an advancement of the mid-face,
+/// and both jaws.
+///
+/// \param job     voxel and element size, seed.
+/// \param number  of the case, from 0.
+[[nodiscard]] PhantomCase draw_case(const PhantomCohortJob& job, int number);
+
+/// The scan of a case and its true labels: the synthetic head, stretched by its scale.
+[[nodiscard]] anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job,
+                                                const PhantomCase& one);
+
+/// A number with the standard normal distribution, from 2 pseudorandom words of the key.
+[[nodiscard]] double normal_number(std::uint64_t key);
+
+}  // namespace lefort::pipeline
