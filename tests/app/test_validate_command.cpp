@@ -166,7 +166,7 @@ TEST(ValidateCommand, SurfacesAloneAreEnoughAndTheMovementIsFound) {
     "lefort_plan": 1,
     "segments": [{"name": "jaw", "osteotomy": {"bone": "mandible"}}],
     "tissue": {"element_size_mm": 10, "far_element_size_mm": 20, "margin_mm": 10},
-    "boundary": {"segment_interface": "bonded"},
+    "boundary": {"interface": "bonded"},
     "field": {"resolution": 64, "band_mm": 5}})"));
   const auto run = test::run_lefort("validate " + quoted(folder / "cohort") +
                                     " --voxel 3 --no-pictures -o " + quoted(folder / "out"));

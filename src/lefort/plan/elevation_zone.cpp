@@ -12,7 +12,7 @@ namespace {
 
 /// Vertices of a cut lie in its plane up to the rounding of boolean operations and the collapse of
 /// short edges (mesh/finish_surface.h).
-constexpr double kOnCut_mm = 0.02;
+constexpr double kInCutSurface_mm = 0.02;
 
 /// Whether a point lies on one part of a cut.
 using OnCut = std::function<bool(const Vec3&)>;
@@ -23,13 +23,13 @@ bool is_within_bounds(const CutPlane& plane, const Vec3& p_L) {
       (plane.bounds->across_L - plane.normal_L.dot(plane.bounds->across_L) * plane.normal_L)
           .normalized();
   const Vec3 up = plane.normal_L.cross(across), d = p_L - plane.point_L;
-  return std::abs(across.dot(d)) <= 0.5 * plane.bounds->width_mm + kOnCut_mm &&
-         std::abs(up.dot(d)) <= 0.5 * plane.bounds->height_mm + kOnCut_mm;
+  return std::abs(across.dot(d)) <= 0.5 * plane.bounds->width_mm + kInCutSurface_mm &&
+         std::abs(up.dot(d)) <= 0.5 * plane.bounds->height_mm + kInCutSurface_mm;
 }
 
 OnCut on_plane(const CutPlane& plane) {
   return [plane](const Vec3& p_L) {
-    return std::abs(plane.normal_L.dot(p_L - plane.point_L)) <= kOnCut_mm &&
+    return std::abs(plane.normal_L.dot(p_L - plane.point_L)) <= kInCutSurface_mm &&
            is_within_bounds(plane, p_L);
   };
 }
@@ -42,8 +42,8 @@ OnCut on_side(const Vec3& a_L, const Vec3& b_L, const Vec3& direction) {
   return [=](const Vec3& p_L) {
     const Vec3 d = p_L - a_L - direction.dot(p_L - a_L) * direction;
     const double t_mm = unit.dot(d);
-    return t_mm >= -kOnCut_mm && t_mm <= length_mm + kOnCut_mm &&
-           (d - t_mm * unit).norm() <= kOnCut_mm;
+    return t_mm >= -kInCutSurface_mm && t_mm <= length_mm + kInCutSurface_mm &&
+           (d - t_mm * unit).norm() <= kInCutSurface_mm;
   };
 }
 

@@ -13,8 +13,10 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
   command->add_option("-o,--output", job->output, "Folder for the report, not inside the cohort")
       ->required();
   command
-      ->add_option("--parameters", job->parameters,
-                   "Parameters to fit: skin_ratio, poisson, elevation_margin_mm (the first two)")
+      ->add_option(
+          "--parameters", job->parameters,
+          "Parameters to fit: skin_ratio, poisson, elevation_margin_mm, interface_layer_mm "
+          "(the first two)")
       ->delimiter(',');
   command->add_flag(
       "--achieved", job->achieved_movements,

@@ -39,7 +39,9 @@ Json keys_of_skin_ratio(const io::PlanFile& plan, double ratio) {
               {"material", law(ratio * plan.tissue.young_mpa, skin.poisson)}}}}}};
 }
 
-double get_margin(const io::PlanFile& plan) { return plan.boundary.elevation_margin_mm; }
+double get_margin(const io::PlanFile& plan) {
+  return plan.boundary.elevation_margin_mm.value_or(predict::kElevationMargin_mm);
+}
 
 void set_margin(io::PlanFile& plan, double margin_mm) {
   plan.boundary.elevation_margin_mm = margin_mm;
@@ -47,6 +49,14 @@ void set_margin(io::PlanFile& plan, double margin_mm) {
 
 Json keys_of_margin(const io::PlanFile&, double margin_mm) {
   return {{"boundary", {{"elevation_margin_mm", margin_mm}}}};
+}
+
+double get_layer(const io::PlanFile& plan) { return plan.boundary.interface_layer_mm; }
+
+void set_layer(io::PlanFile& plan, double layer_mm) { plan.boundary.interface_layer_mm = layer_mm; }
+
+Json keys_of_layer(const io::PlanFile&, double layer_mm) {
+  return {{"boundary", {{"interface_layer_mm", layer_mm}}}};
 }
 
 double get_poisson(const io::PlanFile& plan) { return plan.tissue.poisson; }
@@ -62,9 +72,12 @@ constexpr std::array kParameters{
                          30.0, true, 0.2, false, get_skin_ratio, set_skin_ratio,
                          keys_of_skin_ratio},
     CalibrationParameter{"elevation_margin_mm",
-                         "distance from the segments within which tissue is elevated from "
-                         "stationary bone [mm]",
-                         2.0, 40.0, false, 3.0, true, get_margin, set_margin, keys_of_margin},
+                         "distance from an osteotomy within which tissue is elevated [mm]", 2.0,
+                         40.0, false, 3.0, true, get_margin, set_margin, keys_of_margin},
+    CalibrationParameter{"interface_layer_mm",
+                         "thickness of the elastic layer below elevated tissue [mm]; its stiffness "
+                         "k_t is inversely proportional",
+                         0.1, 20.0, true, 0.3, false, get_layer, set_layer, keys_of_layer},
     CalibrationParameter{"poisson", "Poisson's ratio of the deep tissue", 0.3, 0.49, false, 0.02,
                          false, get_poisson, set_poisson, keys_of_poisson},
 };

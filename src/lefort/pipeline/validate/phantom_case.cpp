@@ -105,7 +105,7 @@ PhantomCase draw_case(const PhantomCohortJob& job, int number) {
                 {"far_element_size_mm", 2.0 * job.element_size_mm},
                 {"margin_mm", 20.0},
                 {"skin", {{"thickness_mm", 2.0}, {"layers", 1}}}}},
-              {"boundary", {{"segment_interface", "bonded"}}},
+              {"boundary", {{"interface", "bonded"}}},
               {"field", {{"resolution", 128}, {"band_mm", 6}}}};
   return one;
 }

@@ -126,8 +126,11 @@ Result<CaseResult> compute_case(const CaseJob& job, const CohortCase& one, const
   result.registered_on = setup.registration ? "bone" : "none";
   result.segments = movements_of(setup);
   const fs::path prediction = work / "prediction";
-  const PredictJob predict{
-      .plan = setup.plan, .ct = std::nullopt, .output = prediction, .pictures = false};
+  const PredictJob predict{.plan = setup.plan,
+                           .ct = std::nullopt,
+                           .output = prediction,
+                           .pictures = false,
+                           .sensitivity = false};
   LEFORT_TRY(const Summary predicted, predict_case(predict, progress));
   LEFORT_TRY_VOID(compare_case(job, setup, prediction, result, progress));
   return result;
