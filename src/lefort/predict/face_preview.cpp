@@ -75,7 +75,8 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
 }
 
 /// Adds elastic supports of the interface map, each with its normal and, if it has a tangential
-/// stiffness, two tangents.
+/// stiffness, two tangents. Along the normal, the stiffness in tension pulls and pushes; what the
+/// stiffness in compression exceeds it by only pushes.
 void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
                             const BoundaryOptions& boundary,
                             const std::vector<std::int32_t>& first_row,
@@ -87,17 +88,23 @@ void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
       const std::int32_t row = first_row[std::size_t(one.node)];
       if (row < 0) continue;
       const Vec3 tangent = one.normal_B.unitOrthogonal();
-      const std::array<std::pair<Vec3, double>, 3> directions{
-          {{one.normal_B, one.normal_mpa_per_mm},
-           {tangent, one.tangential_mpa_per_mm},
-           {one.normal_B.cross(tangent), one.tangential_mpa_per_mm}}};
-      for (const auto& [direction_L, mpa_per_mm] : directions)
+      struct Part {
+        Vec3 direction_L;
+        double mpa_per_mm;
+        bool is_bilateral;
+      };
+      const std::array<Part, 4> parts{
+          {{one.normal_B, one.tension_mpa_per_mm, true},
+           {one.normal_B, one.normal_mpa_per_mm - one.tension_mpa_per_mm, false},
+           {tangent, one.tangential_mpa_per_mm, true},
+           {one.normal_B.cross(tangent), one.tangential_mpa_per_mm, true}}};
+      for (const auto& [direction_L, mpa_per_mm, is_bilateral] : parts)
         if (mpa_per_mm > 0.0)
           supports.push_back({.segment = segment,
                               .row = row,
                               .point_L = model.tissue.nodes_L[std::size_t(one.node)],
                               .direction_L = direction_L,
-                              .is_bilateral = true,
+                              .is_bilateral = is_bilateral,
                               .n_per_mm = one.area_mm2 * mpa_per_mm,
                               .motion_fraction = one.motion_fraction});
     }
