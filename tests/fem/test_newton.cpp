@@ -239,7 +239,8 @@ TEST(Newton, StopsWhereNoStepIsAcceptable) {
                             [](double) { return 1.0; });
   const auto outcome = solve(inconsistent, 0.0);
   EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
-  EXPECT_EQ(outcome.reason, "no step along the search direction reduces the energy");
+  EXPECT_TRUE(outcome.reason.starts_with("no step along the search direction reduces the energy"))
+      << outcome.reason;
 }
 
 /// W = -x, admissible up to a wall.
@@ -267,8 +268,9 @@ class Walled final : public NonlinearSystem {
 TEST(Newton, NamesTheCauseOfAnInadmissibleStepOrStart) {
   const auto stuck = solve(Walled(0.0), 0.0);
   EXPECT_EQ(stuck.stop, NewtonStop::kStagnated);
-  EXPECT_EQ(stuck.reason,
-            "no step along the search direction is acceptable, because a wall stands there");
+  EXPECT_TRUE(stuck.reason.starts_with(
+      "no step along the search direction is acceptable, because a wall stands there"))
+      << stuck.reason;
   const auto outside = solve(Walled(0.0), 0.5);
   EXPECT_EQ(outside.stop, NewtonStop::kInadmissibleStart);
   EXPECT_EQ(outside.reason, "the start is inadmissible: a wall stands there");

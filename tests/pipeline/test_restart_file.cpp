@@ -20,6 +20,8 @@ predict::Restart some_restart() {
   step.displacement_mm = {Vec3(0.1, 0.2, 0.3), Vec3(-1e-300, 0.0, 1.0 / 3.0)};
   step.segments[1].contact.points = 17;
   step.segments[1].contact.p99_penetration_increase_mm = 0.04;
+  step.segments[1].supports = {.nodes = 5, .max_slip_mm = 0.7};
+  step.stationary_supports.max_opening_mm = 0.3;
   step.min_J = 0.9;
   fem::LoadAttempt attempt;
   attempt.t_to = 0.25;
@@ -50,6 +52,9 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->steps[1].displacement_mm, some_restart().steps[1].displacement_mm);
   EXPECT_EQ(read->steps[1].segments[1].X_LB.translation(), Vec3(1.0, -2.0, 3.5));
   EXPECT_EQ(read->steps[1].segments[1].contact.points, 17);
+  EXPECT_EQ(read->steps[1].segments[1].supports.nodes, 5);
+  EXPECT_EQ(read->steps[1].segments[1].supports.max_slip_mm, 0.7);
+  EXPECT_EQ(read->steps[1].stationary_supports.max_opening_mm, 0.3);
   EXPECT_EQ(read->steps[0].attempts[0].reason, "no step lowers the energy");
   EXPECT_EQ(read->stepper.before_last->u, VectorX::Ones(6));
   EXPECT_EQ(read->contacts[0].multipliers_mpa[1], 1e-3);

@@ -66,7 +66,9 @@ InterfaceCondition condition_of(OuterBoundary boundary) {
   }
 }
 
-/// The rules, and what they measure.
+/// The rules, and what they measure. Tissue is bonded to bone and slides on teeth (\cite kim2017);
+/// teeth lie within the height of their crowns of the opposite jaw (\cite magne2003). Lips do not
+/// slide on each other (as in \cite kim2021).
 class InterfaceRules {
  public:
   InterfaceRules(const anatomy::LabelMap& labels, const InterfaceBones& bones,

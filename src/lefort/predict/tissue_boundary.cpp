@@ -22,6 +22,7 @@ namespace lefort::predict {
 namespace {
 
 using NodeList = std::vector<std::int32_t>;
+using Distance = std::function<double(const Vec3&)>;
 
 constexpr double kMaxBrainDistance_mm = 2.0;  // Partial-volume voxels between brain and tissue.
 
@@ -150,7 +151,7 @@ TissueBoundary find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain&
       nearest_mm = std::min(nearest_mm, segment.closest_point(p_L)->distance_mm);
     return nearest_mm;
   };
-  const std::array<std::function<double(const Vec3&)>, 6> distances_mm{
+  const std::array<Distance, 6> distances_mm{
       [&](const Vec3& p_L) { return domain.distance_to_cut(p_L); },
       [&](const Vec3& p_L) { return domain.distance_to_scan_boundary(p_L); },
       distance_to_segments,
