@@ -239,7 +239,12 @@ TEST(ServerContract, ResponsesOfAWholeCaseMatchTheContract) {
            {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
   call_api("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
   const json boundary = json::parse(call_api("GET", "/boundary", "/boundary").text);
-  EXPECT_EQ(boundary["areas"]["stage"], "preview");
+  EXPECT_EQ(boundary["map"]["stage"], "preview");
+  const Response interface = call_api("GET", "/surfaces/{surface}", "/surfaces/interface");
+  std::string scalars;
+  for (const auto& [name, value] : interface.headers)
+    if (name == "X-Lefort-Scalars") scalars = value;
+  EXPECT_EQ(scalars, "condition,rule");
   plan["boundary"] = {{"interface", "bonded"}};
   call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});

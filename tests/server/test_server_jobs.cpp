@@ -11,11 +11,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "support/call_api.h"
 #include "support/run_program.h"
@@ -603,6 +610,64 @@ TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
   EXPECT_GT(expect_the_command_lines_bytes(api.folder / "case"), 10);
 }
 
+/// Expects that surface `interface` has as many vertices of each condition and rule as the groups.
+void expect_interface_of_groups(test::CaseApi& api, const json& boundary) {
+  std::map<std::string, int> value_of;
+  for (const char* kind : {"conditions", "rules"})
+    for (const json& one : boundary[kind])
+      value_of[kind + one["name"].get<std::string>()] = one["value"];
+  std::map<std::pair<int, int>, std::size_t> expected, found;
+  std::size_t nodes = 0;
+  for (const json& group : boundary["map"]["groups"]) {
+    const std::size_t count = group["nodes"];
+    nodes += count;
+    expected[{value_of.at("conditions" + group["condition"].get<std::string>()),
+              value_of.at("rules" + group["rule"].get<std::string>())}] += count;
+  }
+  const Response reply = api.call_api("GET", "/surfaces/interface");
+  ASSERT_EQ(reply.status, 200) << reply.text;
+  const std::string bytes = body_of(reply);
+  std::array<std::uint32_t, 3> head{};
+  std::memcpy(head.data(), bytes.data() + 8, sizeof(head));
+  ASSERT_EQ(head[0], nodes);
+  ASSERT_EQ(head[2], 2U);
+  ASSERT_EQ(bytes.size(), 20 + 12 * std::size_t(head[0]) + 12 * std::size_t(head[1]) + 8 * nodes);
+  std::vector<float> scalars(2 * nodes);
+  std::memcpy(scalars.data(), bytes.data() + bytes.size() - 8 * nodes, 8 * nodes);
+  for (std::size_t n = 0; n < nodes; ++n) ++found[{int(scalars[n]), int(scalars[nodes + n])}];
+  EXPECT_EQ(found, expected);
+}
+
+TEST(CaseApi, ServesTheInterfaceMapOfThePresentPlan) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  json plan = test::small_plan();
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  ASSERT_EQ(api.run({{"kind", "cut"}})["state"], "done");
+  const auto expect_none = [&] {
+    EXPECT_TRUE(api.get("/boundary")["map"].is_null());
+    EXPECT_EQ(api.call_api("GET", "/surfaces/interface").status, 404);
+    EXPECT_EQ(api.get("/surfaces").dump().find("interface"), std::string::npos);
+  };
+  expect_none();
+  ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
+  const json boundary = api.get("/boundary");
+  EXPECT_EQ(boundary["map"]["stage"], "preview");
+  EXPECT_NE(boundary["map"]["groups"].dump().find("\"segment\":\"front\""), std::string::npos);
+  EXPECT_NE(api.get("/surfaces").dump().find("interface"), std::string::npos);
+  expect_interface_of_groups(api, boundary);
+
+  plan["boundary"] = {{"interface", "contact"}};  // Makes the preview stale.
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  expect_none();
+  ASSERT_EQ(api.run({{"kind", "predict"}})["state"], "done");
+  const json predicted = api.get("/boundary");
+  EXPECT_EQ(predicted["map"]["stage"], "prediction");
+  EXPECT_NE(predicted["map"]["groups"], boundary["map"]["groups"]);
+  expect_interface_of_groups(api, predicted);
+}
+
 /// What is painted through the API is what the command line reads, and changes the face.
 TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   test::CaseApi api;
@@ -616,7 +681,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   const std::string pose = R"({"poses":{"front":[1,0,0,0,0,1,0,-2,0,0,1,0,0,0,0,1]}})";
   const std::string by_rule = body_of(api.call_api("GET", "/files/predicted_skin.vtp"));
   const std::string preview = body_of(api.call_api("POST", "/preview", pose));
-  EXPECT_TRUE(api.get("/boundary")["areas"]["painted"].empty());
+  EXPECT_TRUE(api.get("/boundary")["map"]["painted"].empty());
 
   constexpr char kWithSegment = 3;
   ASSERT_EQ(paint(api, kWithSegment).status, 204);
@@ -627,13 +692,13 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   EXPECT_EQ(stages["prediction"]["state"], "stale");
   EXPECT_EQ(stages["preview"]["state"], "stale");
   EXPECT_EQ(stages["cut"]["state"], "fresh");
-  EXPECT_TRUE(api.get("/boundary")["areas"].is_null());
+  EXPECT_TRUE(api.get("/boundary")["map"].is_null());
   ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
   EXPECT_NE(body_of(api.call_api("POST", "/preview", pose)), preview);
-  const json areas = api.get("/boundary")["areas"];
-  EXPECT_EQ(areas["stage"], "preview");
+  const json map = api.get("/boundary")["map"];
+  EXPECT_EQ(map["stage"], "preview");
   double with_segment_mm2 = 0.0;
-  for (const json& label : areas["painted"])
+  for (const json& label : map["painted"])
     if (label["name"] == "with segment") with_segment_mm2 = label["area_mm2"].get<double>();
   EXPECT_GT(with_segment_mm2, 10.0);
   const json job = api.run({{"kind", "predict"}});

@@ -3,9 +3,10 @@
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
+import { isDeepStrictEqual } from 'node:util';
 import { check, runTests, test } from './harness.mjs';
 import { drawn, id, idle, look, saved, settled, step, type } from './planner.mjs';
-import { endSmallCase, planned, withPage } from './small_case.mjs';
+import { endSmallCase, PLAN, planned, withPage } from './small_case.mjs';
 
 const args = process.argv.slice(2);
 const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
@@ -50,22 +51,33 @@ async function accessible(page, where) {
   );
 }
 
-/** How many pixels of the view are of the color of `with segment`, which bone and segment do not have. */
-async function purplePixels(page) {
+/** How many pixels of the view have a hue that bone and segment do not have: of `with segment`, or of `bonded`. */
+async function pixelsOf(page, label) {
   const png = (await page.locator('.view3d').screenshot()).toString('base64');
-  return page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
-    const context = canvas.getContext('2d');
-    context.drawImage(image, 0, 0);
-    const all = context.getImageData(0, 0, canvas.width, canvas.height).data;
-    let count = 0;
-    for (let n = 0; n < all.length; n += 4)
-      if (all[n + 2] > all[n] && all[n] > 1.1 * all[n + 1] && all[n + 2] > 1.15 * all[n + 1]) count++;
-    return count;
-  }, png);
+  return page.evaluate(
+    async ([data, label]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
+      const context = canvas.getContext('2d');
+      context.drawImage(image, 0, 0);
+      const all = context.getImageData(0, 0, canvas.width, canvas.height).data;
+      let count = 0;
+      const isPurple = (r, g, b) => b > r && r > 1.1 * g && b > 1.15 * g;
+      const isBlue = (r, g, b) => b > 1.3 * g && g > 1.5 * r;
+      const isCounted = label === 'bonded' ? isBlue : isPurple;
+      for (let n = 0; n < all.length; n += 4) if (isCounted(all[n], all[n + 1], all[n + 2])) count++;
+      return count;
+    },
+    [png, label],
+  );
+}
+
+/** Rows of the interface map's table. */
+async function mapRows(page) {
+  await page.waitForSelector(id('interface-map'));
+  return page.locator(`${id('interface-map')} tbody tr`).allInnerTexts();
 }
 
 /** Paints and erases a label beside `painted` mm2 of another; undo must restore the bytes `kept`. */
@@ -111,7 +123,7 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     await page.click(id('paint-with-segment'));
     await type(page, 'paint-radius', 6);
     await drawn(page);
-    const before = await purplePixels(page);
+    const before = await pixelsOf(page, 'with segment');
     await drag3d(page, [0.45, 0.5], [0.55, 0.5]);
     await page.waitForFunction(
       (sel) => Number(document.querySelector(sel)?.dataset.mm2) > 50,
@@ -119,8 +131,8 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     );
     const painted = await area(page, 'with segment');
     check(
-      `the paint is visible: ${before} and ${await purplePixels(page)} pixels`,
-      (await purplePixels(page)) > before + 200,
+      `the paint is visible: ${before} and ${await pixelsOf(page, 'with segment')} pixels`,
+      (await pixelsOf(page, 'with segment')) > before + 200,
     );
     await saved(page);
     const { value: kept, box } = {
@@ -145,12 +157,11 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
     await idle(page);
     check('the preview differs', !(await preview()).equals(byRule));
-    await page.click(`${id('boundary-rules')} summary`);
-    await page.getByText('From the last preview').waitFor();
-    const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
+    const rules = await mapRows(page);
     check(
-      `each rule with its distance: ${rules}`,
-      rules.length === 7 && rules.some((row) => row.includes('Mobilized segment') && row.includes('0.80 mm')),
+      `the map names what is painted: ${rules}`,
+      rules.some((row) => /Painted.*bonded/s.test(row)) &&
+        rules.some((row) => /Near an osteotomy.*elevated/s.test(row)),
     );
 
     // A reloaded page shows the paint.
@@ -181,6 +192,67 @@ test('boundary painted on skin, dark theme', () =>
     },
     { scheme: 'dark', width: 1920, height: 1080 },
   ));
+
+test('options of the interface; the map of the mesh on bone', () =>
+  withPage(planned, async (page, { ask, put, run }) => {
+    await put('/plan', PLAN);
+    await run({ kind: 'preview-factor' });
+    await step(page, 'tissue');
+    await look(page, 'From the front');
+    await settled(page);
+    await mapRows(page);
+    await page.waitForTimeout(500);
+    await drawn(page);
+    const shown = await pixelsOf(page, 'bonded');
+    await page.screenshot({ path: join(output, 'interface.png') });
+    await accessible(page, 'the interface map');
+    await page.getByText('Show on bone').click();
+    await drawn(page);
+    const bare = await pixelsOf(page, 'bonded');
+    check(`the map is drawn: ${bare} and ${shown} pixels`, shown > bare + 2000);
+    await page.getByText('Show on bone').click();
+    const cm2 = async (rule) =>
+      Number(
+        await page
+          .locator(`${id('interface-map')} [data-rule="${rule}"] td`)
+          .nth(2)
+          .innerText(),
+      );
+    const elevated = await cm2('osteotomy');
+    check(`an area is elevated: ${elevated} cm2`, elevated > 1);
+
+    await page.getByText('Elevation margins of the procedure').click();
+    await type(page, 'elevation-margin', 4);
+    await type(page, 'joint-margin', 5);
+    await type(page, 'interface-layer', 2);
+    await page.getByLabel('Where the scan ends').selectOption('free');
+    await page.getByLabel('Where the meshed region ends').selectOption('foundation');
+    await type(page, 'foundation', 30);
+    await saved(page);
+    const boundary = async () => (await (await ask('GET', '/plan')).json()).boundary;
+    const expected = {
+      elevation_margin_mm: 4,
+      joint_margin_mm: 5,
+      interface_layer_mm: 2,
+      scan_boundary: 'free',
+      cut_boundary: 'foundation',
+      foundation_mm: 30,
+    };
+    const stored = await boundary();
+    check(`the plan has the options: ${JSON.stringify(stored)}`, isDeepStrictEqual(stored, expected));
+    // The map is that of the plan: it goes with the preview, and returns with it.
+    await page.waitForSelector(id('interface-map'), { state: 'detached' });
+    await page.click(id('prepare-preview'));
+    await mapRows(page);
+    await idle(page);
+    check('a smaller margin elevates less', (await cm2('osteotomy')) < elevated);
+    await page.getByText('Elevation margins of the procedure').click();
+    await page.getByRole('button', { name: 'Contact', exact: true }).click();
+    await saved(page);
+    const contact = await boundary();
+    check('contact, with the default margin', contact.interface === 'contact' && !('elevation_margin_mm' in contact));
+    await put('/plan', PLAN);
+  }));
 
 test('skin, mucosa and muscle are stored in the plan', () =>
   withPage(planned, async (page, { ask }) => {

@@ -304,6 +304,9 @@ test('boundary painted on a skull: speed of the brush', () =>
       await page.mouse.up();
       return Date.now() - since;
     };
+    await page.waitForSelector(id('interface-map'));
+    await page.locator(id('interface-map')).scrollIntoViewIfNeeded();
+    await picture(page, 'interface');
     await page.click(id('paint-fixed'));
     await drawn(page);
     const took = await stroke([0.42, 0.62], [0.58, 0.62]);

@@ -14,6 +14,7 @@ import {
   withoutKeyframe,
   withoutPlane,
   withoutSegment,
+  withBoundary,
   withPaintedBoundary,
   withPlane,
   withSegment,
@@ -79,6 +80,13 @@ describe('edits of a plan', () => {
     expect(times(retimeKeyframe(three, 0, 0, 5))[0]).toBeLessThan(times(three)[1]!);
     expect(times(retimeKeyframe(three, 0, 2, 0.1))[2]).toBe(1);
     expect(keyframesOf(withoutKeyframe(one, 0, 0).segments[0])).toHaveLength(1);
+  });
+
+  it('set and remove options of the boundary', () => {
+    const own = withBoundary({ labels: 'boundary.seg.nrrd' }, { elevation_margin_mm: 5, interface: 'bonded' });
+    expect(own).toEqual({ labels: 'boundary.seg.nrrd', elevation_margin_mm: 5, interface: 'bonded' });
+    const byProcedure = withBoundary(own, { elevation_margin_mm: undefined });
+    expect(Object.keys(byProcedure).sort()).toEqual(['interface', 'labels']);
   });
 
   it('set and remove the file of the painted boundary', () => {

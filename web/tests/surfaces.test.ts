@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { decodeSurface, endingOnly, EventParser } from '../src/api';
 import {
   coarsen,
+  interfaceSurface,
   posedSectionOf,
   rayHit,
   sectionOf,
@@ -54,6 +55,25 @@ describe('LFSURF1', () => {
     new Uint8Array(other)[6] = 50;
     expect(() => decodeSurface(other)).toThrow(/format/);
     expect(() => decodeSurface(encode({ ...box, triangles: Uint32Array.from([0, 1, 8]) }))).toThrow(/vertex 8/);
+  });
+});
+
+describe('the surface of the interface map', () => {
+  /** Vertices 4 to 7 of the box are its top. */
+  const isSkin = (v: number): boolean => v > 3;
+
+  it('has no skin, faces the tissue and lies in it, on the same vertices', () => {
+    const { points, triangles } = interfaceSurface(box, isSkin);
+    expect(triangles.length).toBe(box.triangles.length - 6);
+    expect([...triangles.subarray(0, 3)]).toEqual([0, 1, 2]);
+    expect(points.length).toBe(box.points.length);
+    const [x, y, z] = points;
+    expect(Math.min(x, y, z)).toBeGreaterThan(0);
+    expect(Math.hypot(x, y, z)).toBeCloseTo(1, 5);
+  });
+
+  it('is empty if all is skin', () => {
+    expect(interfaceSurface(box, () => true).triangles.length).toBe(0);
   });
 });
 

@@ -218,7 +218,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Boundary conditions of the soft tissue by rule, and the labels that can be painted */
+        /** The interface map of the soft tissue, its conditions and rules, and the labels that can be painted */
         get: operations["getBoundary"];
         put?: never;
         post?: never;
@@ -800,25 +800,33 @@ export interface components {
             }[];
             /** @description Boundary of the soft tissue within this distance from a bone lies on it. */
             contact_snap_mm: number;
-            /** @description Soft tissue on stationary bone within this distance from a segment is elevated. */
-            elevation_margin_mm: number;
-            /** @description The rules of the plan, in the order in which they are applied. */
-            rules: {
-                set: string;
-                /** @description The rule applies to nodes within this distance; null: to all remaining nodes. */
-                within_mm: number | null;
+            /** @description Boundary conditions of the interface map: values of array condition of surface interface. */
+            conditions: {
+                value: number;
+                name: string;
+                /** @description RGB. */
+                color: number[];
             }[];
-            /** @description Areas of the mesh decided by rules and by paint, from the newest current preview or prediction; null if there is none. */
-            areas: null | {
+            /** @description Rules of the interface map: values of array rule of surface interface. */
+            rules: {
+                value: number;
+                name: string;
+            }[];
+            /** @description Interface map of the tissue mesh, from the newest current preview or prediction; null if there is none. */
+            map: null | {
                 /** @enum {unknown} */
                 stage: "preview" | "prediction";
-                rules: {
-                    set: string;
-                    fixed: number;
-                    with_segment: number;
-                    free: number;
-                    painted_over: number;
+                /** @description Sums over the nodes with the same rule, condition and bone. */
+                groups: {
+                    rule: string;
+                    condition: string;
+                    /** @description Name of the segment; null: no segment. */
+                    segment: string | null;
+                    on_stationary_bone: boolean;
+                    nodes: number;
+                    area_mm2: number;
                 }[];
+                /** @description Areas of the mesh by painted label. */
                 painted: {
                     name: string;
                     area_mm2: number;
@@ -826,10 +834,10 @@ export interface components {
             };
         };
         /**
-         * @description after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone.
+         * @description interface: boundary of the tissue mesh of the present plan at rest, with arrays condition and rule (values of /boundary). after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone.
          * @enum {unknown}
          */
-        SurfaceName: "skin" | "skull" | "remainder" | "skin_before" | "predicted" | "after_surgery";
+        SurfaceName: "skin" | "skull" | "remainder" | "interface" | "skin_before" | "predicted" | "after_surgery";
         /**
          * @description contact-pressure [kPa] and contact-depth [mm, increase of penetration since rest]: on the segment's surface after the last step. difference: on surface predicted, the signed distance to the face after surgery [mm], positive outside.
          * @enum {unknown}
@@ -1021,7 +1029,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];

@@ -2,6 +2,7 @@ export * from './boundary_paint';
 export * from './color';
 export * from './frames';
 export * from './history';
+export * from './interface_surface';
 export * from './labels';
 export * from './landmarks';
 export * from './movement_edit';

@@ -84,10 +84,18 @@ export interface Tissue {
   margin_mm?: number;
 }
 
+/** What a plane does in which the mesh ends. */
+export type OuterBoundary = 'roller' | 'free' | 'fixed' | 'foundation';
+
 export interface Boundary {
-  segment_interface?: 'sliding' | 'bonded';
-  scan_boundary?: 'free' | 'fixed';
+  interface?: 'clinical' | 'bonded' | 'contact';
+  scan_boundary?: OuterBoundary;
+  cut_boundary?: OuterBoundary;
+  foundation_mm?: number;
+  /** Without: the distances of the procedure. */
   elevation_margin_mm?: number;
+  joint_margin_mm?: number;
+  interface_layer_mm?: number;
   contact_snap_mm?: number;
   labels?: string;
 }
@@ -294,6 +302,12 @@ export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number)
 /** True if the page can edit the path: its keyframes are numbers, not targets, files or days. */
 export const isEditablePath = (path: Path): boolean =>
   path.keyframes !== undefined && path.keyframes.every((k) => k.targets === undefined && k.transform === undefined);
+
+/** Boundary options with a change; options that are undefined are removed. */
+export function withBoundary(boundary: Boundary, part: Partial<Boundary>): Boundary {
+  const all = Object.entries({ ...boundary, ...part });
+  return Object.fromEntries(all.filter(([, value]) => value !== undefined));
+}
 
 /** Sets or removes the file of the painted boundary. */
 export function withPaintedBoundary(plan: Plan, file: string | null): Plan {

@@ -3,8 +3,12 @@ import type { Body, View3d } from '../scene';
 import type { App } from './app';
 import type { State } from './state';
 
-/** Colors bone and skin, at their scanned pose, by the paint on the tissue boundary. */
+/** Name of the surface of the interface map. */
+const INTERFACE = 'interface';
+
+/** Colors bone and skin, at their scanned pose, by the paint on the tissue boundary, and the interface map. */
 export class BoundaryView {
+  private coloredMap: Body | null = null;
   /** The bodies that are colored, and the version of their paint. */
   private readonly colored = new Map<string, { body: Body; version: number }>();
 
@@ -15,10 +19,32 @@ export class BoundaryView {
 
   /** The brush applies to what is drawn opaque. */
   isPaintable(s: State, name: string): boolean {
-    return (s.paintOn === 'skin') === (name === 'skin');
+    return name !== INTERFACE && (s.paintOn === 'skin') === (name === 'skin');
+  }
+
+  /** The interface map hides what is painted, so that it is not shown with the brush. */
+  isMapShown(s: State): boolean {
+    return s.step === 'tissue' && s.showInterface && s.tool !== 'paint' && this.view.body(INTERFACE) !== undefined;
   }
 
   present(s: State): void {
+    this.colorMap(s);
+    this.colorPaint(s);
+  }
+
+  /** Colors the interface map by condition. */
+  private colorMap(s: State): void {
+    const body = this.view.body(INTERFACE);
+    const condition = this.app.model.surfaces.get(INTERFACE)?.condition;
+    if (!body || !condition || !s.boundary || this.coloredMap === body) return;
+    const palette: Rgb[] = [];
+    for (const { value, color } of s.boundary.conditions) palette[value] = linearOf(toVec3(color));
+    body.setLabels(condition, palette);
+    this.coloredMap = body;
+    this.view.render();
+  }
+
+  private colorPaint(s: State): void {
     const { view, app } = this;
     const isOn = s.step === 'tissue' && s.boundary !== null && app.boundaryBrush.labels !== null;
     const palette = [BONE, ...(s.boundary?.names.map((x) => toVec3(x.color)) ?? [])];

@@ -1,5 +1,5 @@
 import { ApiError, type CaseEvents, type Client, type Schemas } from '../api';
-import { gridCenter, toVec3, type Grid } from '../model';
+import { gridCenter, interfaceSurface, toVec3, type Grid, type Surface } from '../model';
 import { prepareSurfaceAside } from '../workers';
 import type { BoundaryBrush } from './boundary_brush';
 import { messageOf } from './errors';
@@ -8,7 +8,7 @@ import type { Outcome } from './outcome';
 import type { PlanStore } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
 import type { SolveMonitor } from './solve_monitor';
-import { isStepName, type StepName } from './state';
+import { isStepName, type LoadedSurface, type StepName } from './state';
 
 /** Surfaces that a step shows; others are loaded when they are first needed. */
 const SURFACES_OF_STEP: Record<StepName, RegExp> = {
@@ -17,7 +17,7 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
   landmarks: /^(skull|skin)$/,
   osteotomy: /^(skull|skin|remainder|segments\/.+)$/,
   movement: /^(skull|skin|remainder|segments\/.+)$/,
-  tissue: /^(skull|skin|remainder|segments\/.+)$/,
+  tissue: /^(skull|skin|remainder|interface|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
   compare: /^(skin_before|predicted|after_surgery|remainder|segments\/.+)$/,
 };
@@ -25,7 +25,10 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
 export const STEP_KEY = 'lefort-step';
 
 type Context = Pick<Planner, 'model' | 'patch' | 'toast' | 'attempt'> & {
-  readonly client: Pick<Client, 'case' | 'jobs' | 'listen' | 'volume' | 'volumeData' | 'surfaces' | 'surface'>;
+  readonly client: Pick<
+    Client,
+    'case' | 'jobs' | 'listen' | 'volume' | 'volumeData' | 'surfaces' | 'surface' | 'boundary'
+  >;
 };
 
 /** The parts of the planner that load their own data when the case changes. */
@@ -188,12 +191,23 @@ export class CaseSync {
     const { planner } = this;
     const { model } = planner;
     await planner.attempt(async () => {
-      const { points, triangles } = await planner.client.surface(name);
-      const surface = await prepareSurfaceAside({ points, triangles });
-      model.surfaces.set(name, { etag, surface });
+      const { shown, ...more } = await this.receiveSurface(name);
+      const surface = await prepareSurfaceAside(shown);
+      model.surfaces.set(name, { etag, surface, ...more });
       this.listeners.onSurface(name, surface);
     });
     planner.patch({ surfacesLoading: Math.max(0, model.s.surfacesLoading - 1) });
+  }
+
+  private async receiveSurface(name: string): Promise<{ shown: Surface } & Pick<LoadedSurface, 'condition'>> {
+    const { client, model } = this.planner;
+    const { points, triangles, scalars } = await client.surface(name);
+    if (name !== 'interface') return { shown: { points, triangles } };
+    const { rules } = model.s.boundary ?? (await client.boundary());
+    const skin = rules.find((rule) => rule.name === 'skin')?.value;
+    const ruleOf = scalars.get('rule');
+    const condition = Uint8Array.from(scalars.get('condition') ?? []);
+    return { shown: interfaceSurface({ points, triangles }, (v) => ruleOf?.[v] === skin), condition };
   }
 }
 

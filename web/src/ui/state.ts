@@ -88,6 +88,8 @@ export interface State {
   paintLabel: number;
   paint_mm: number;
   paintOn: 'bone' | 'skin';
+  /** Show the interface map on the bones. */
+  showInterface: boolean;
   /** Painted area of bone and skin by label [mm²]; null until known. */
   paintedAreas: readonly number[] | null;
 
@@ -176,6 +178,7 @@ const initialViews = () =>
     paintLabel: 1,
     paint_mm: 4,
     paintOn: 'bone',
+    showInterface: true,
     paintedAreas: null,
   }) satisfies Partial<State>;
 
@@ -233,11 +236,18 @@ export const initialState = (): State => ({
 
 export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
 
+export interface LoadedSurface {
+  etag: string;
+  surface: DrawnSurface;
+  /** Condition of each vertex of the surface `interface`: values of Boundary.conditions. */
+  condition?: Uint8Array;
+}
+
 /** All data of the page. Large arrays are not part of the state, because no text depends on them. */
 export class Model {
   readonly state = new Store<State>(initialState());
   readonly history = new Store<History<Doc>>(startHistory(emptyDoc()));
-  readonly surfaces = new Map<string, { etag: string; surface: DrawnSurface }>();
+  readonly surfaces = new Map<string, LoadedSurface>();
   labels: Uint8Array | null = null;
   labelsEtag: string | null = null;
 

@@ -38,7 +38,17 @@ const PREVIEW_DELAY_MS = 30;
 /** Properties of the state that change the views; the progress of jobs, for example, does not. */
 const DRAWN_KEYS: readonly (keyof State)[] = [
   ...(['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm'] as const),
-  ...(['boundary', 'paintOn', 'paint_mm', 'paintLabel', 'landmark', 'segment', 'plane', 'curveDraft'] as const),
+  ...([
+    'boundary',
+    'showInterface',
+    'paintOn',
+    'paint_mm',
+    'paintLabel',
+    'landmark',
+    'segment',
+    'plane',
+    'curveDraft',
+  ] as const),
   ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
   ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
   ...(['showBones', 'wipe'] as const),
@@ -226,7 +236,8 @@ export class Viewer implements SceneListeners {
     const segments = this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`);
     const isCut =
       s.case !== null && this.view.body('remainder') !== undefined && segments.some((name) => this.view.body(name));
-    return isCut && isCutShown(s) ? ['remainder', ...segments, 'skin'] : ['skull', 'skin'];
+    const bones = isCut && isCutShown(s) ? ['remainder', ...segments] : ['skull'];
+    return this.boundary.isMapShown(s) ? [...bones, 'interface'] : [...bones, 'skin'];
   }
 
   private skinOpacity(s: State): number {

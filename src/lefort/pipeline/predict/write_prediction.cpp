@@ -6,6 +6,7 @@
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/predict/write_prediction.h>
+#include <lefort/pipeline/prepare/interface_surface.h>
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/report/mesh_plots.h>
@@ -94,7 +95,7 @@ Result<void> remove_results(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const char* name :
        {"prediction.json", "failure.json", "report.html", "plan.json", "predicted_skin.vtp",
-        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp"})
+        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp", kInterfaceFile})
     files.push_back(folder / name);
   for (const char* bone : {kMovedSegment, kBoneOverlap})
     for (const fs::path& file : earlier_files(folder, bone, ".vtp")) files.push_back(file);
@@ -147,6 +148,7 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
   LEFORT_TRY_VOID(io::write_surface(folder / "predicted_skin.stl", after_L));
   LEFORT_TRY_VOID(io::write_surface(folder / "skin_before.vtp", prepared.skin_L));
   LEFORT_TRY_VOID(io::write_surface(folder / "bone_remainder.vtp", prepared.cut.remainder_L));
+  LEFORT_TRY_VOID(write_interface_surface(folder / kInterfaceFile, prepared.model));
   for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k)
     LEFORT_TRY_VOID(write_moved_segment(folder / segment_file(kMovedSegment, prepared.plan, k),
                                         prepared, prediction, k));

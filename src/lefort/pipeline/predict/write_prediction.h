@@ -40,8 +40,9 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
-/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, bone_segment_moved.vtp for
-/// each segment, and paraview/prediction.pvd with a VTU of the initial state and of each step.
+/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, interface.vtp,
+/// bone_segment_moved.vtp for each segment, and paraview/prediction.pvd with a VTU of the initial
+/// state and of each step.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,

@@ -9,6 +9,7 @@
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/json/boundary_json.h>
 #include <lefort/pipeline/plan.h>
+#include <lefort/pipeline/prepare/interface_surface.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/predict/face_preview.h>
 
@@ -41,8 +42,9 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   io::PlanFile plan = text.plan;
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
-  LEFORT_TRY_VOID(io::remove_earlier_files(std::array{document, file}));
+  const fs::path document = job.output / "preview.json", file = job.output / "face.preview",
+                 interface = job.output / kInterfaceFile;
+  LEFORT_TRY_VOID(io::remove_earlier_files(std::array{document, file, interface}));
   // A preview is for any motion: the plan's paths are not used and must not cause an error.
   for (plan::PlannedSegment& segment : plan.segments) {
     segment.path.keyframes = {geometry::Keyframe{}};
@@ -62,6 +64,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
                                          prepared.plan.boundary, prepared.scan_grid.spacing_mm));
   progress.begin_stage("write");
   LEFORT_TRY_VOID(io::write_preview_model(file, model));
+  LEFORT_TRY_VOID(write_interface_surface(interface, prepared.model));
   Summary summary;
   std::vector<std::string> segments;
   for (const plan::PlannedSegment& segment : prepared.plan.segments)

@@ -1,3 +1,4 @@
+#include <lefort/pipeline/prepare/interface_surface.h>
 #include <lefort/server/case/file_catalog.h>
 
 #include <algorithm>
@@ -6,6 +7,12 @@ namespace lefort::server {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The interface map of the tissue mesh of the present plan; empty if there is none.
+fs::path interface_surface(const CaseFolder& folder) {
+  const auto stage = fresh_tissue_stage(folder);
+  return stage ? folder.root() / *stage / pipeline::kInterfaceFile : fs::path();
+}
 
 #define LEFORT_IN(folder, file) [](const CaseFolder& c) -> fs::path { return c.folder() / (file); }
 const NamedFile kFiles[] = {
@@ -27,6 +34,7 @@ const NamedFile kFiles[] = {
     {"predicted_skin.stl", "prediction", LEFORT_IN(prediction, "predicted_skin.stl")},
     {"skin_before.vtp", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
     {"bone_remainder.vtp", "prediction", LEFORT_IN(prediction, "bone_remainder.vtp")},
+    {"interface.vtp", "prediction", LEFORT_IN(prediction, pipeline::kInterfaceFile)},
     {"bone_segment_moved.vtp", "prediction", LEFORT_IN(prediction, "bone_segment_moved.vtp")},
     {"bone_overlap.vtp", "prediction", LEFORT_IN(prediction, "bone_overlap.vtp")},
     {"compare.json", "comparison", LEFORT_IN(comparison, "compare.json")},
@@ -40,12 +48,19 @@ const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
     {"skull", "anatomy", LEFORT_IN(anatomy, "skull.vtp")},
     {"remainder", "cut", LEFORT_IN(cut, "remainder.vtp")},
+    {kInterfaceSurface, "preview", interface_surface},
     {"skin_before", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
     {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
     {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
 #undef LEFORT_IN
 
 }  // namespace
+
+std::optional<std::string_view> fresh_tissue_stage(const CaseFolder& folder) {
+  for (const char* stage : {"preview", "prediction"})
+    if (folder.stage(stage)["state"] == "fresh") return stage;
+  return std::nullopt;
+}
 
 std::span<const NamedFile> file_catalog() { return kFiles; }
 

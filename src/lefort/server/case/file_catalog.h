@@ -22,6 +22,12 @@ struct NamedFile {
 /// Files for download.
 [[nodiscard]] std::span<const NamedFile> file_catalog();
 
+/// Surface with condition and rule of the interface map at each vertex.
+inline constexpr std::string_view kInterfaceSurface = "interface";
+
+/// The stage whose tissue mesh is that of the present plan: "preview", else "prediction".
+[[nodiscard]] std::optional<std::string_view> fresh_tissue_stage(const CaseFolder& folder);
+
 /// Surfaces for display.
 [[nodiscard]] std::span<const NamedFile> surface_catalog();
 

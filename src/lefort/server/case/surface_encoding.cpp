@@ -16,16 +16,19 @@ void append(std::string& bytes, Number number) {
 
 }  // namespace
 
-std::string encode_surface(const geometry::TriangleMesh& mesh_L) {
+std::string encode_surface(const geometry::TriangleMesh& mesh_L,
+                           std::span<const std::vector<double>> scalars) {
   std::string bytes;
-  bytes.reserve(20 + 12 * (mesh_L.vertices.size() + mesh_L.triangles.size()));
+  bytes.reserve(20 + 12 * (mesh_L.vertices.size() + mesh_L.triangles.size()) +
+                4 * scalars.size() * mesh_L.vertices.size());
   bytes.append("LFSURF1\0", 8);
   append(bytes, std::uint32_t(mesh_L.vertex_count()));
   append(bytes, std::uint32_t(mesh_L.triangle_count()));
-  append(bytes, std::uint32_t(0));
+  append(bytes, std::uint32_t(scalars.size()));
   bytes += encode_floats(mesh_L.vertices);
   for (const geometry::Triangle& triangle : mesh_L.triangles)
     for (const std::int32_t vertex : triangle) append(bytes, std::uint32_t(vertex));
+  for (const std::vector<double>& array : scalars) bytes += encode_floats(array);
   return bytes;
 }
 

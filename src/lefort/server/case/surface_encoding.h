@@ -11,7 +11,10 @@
 
 namespace lefort::server {
 
-[[nodiscard]] std::string encode_surface(const geometry::TriangleMesh& mesh_L);
+/// \param mesh_L   vertices in frame L [mm].
+/// \param scalars  arrays with one number per vertex.
+[[nodiscard]] std::string encode_surface(const geometry::TriangleMesh& mesh_L,
+                                         std::span<const std::vector<double>> scalars = {});
 
 /// float32 x, y, z of each.
 [[nodiscard]] std::string encode_floats(std::span<const Vec3> vectors);

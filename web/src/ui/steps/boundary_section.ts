@@ -4,26 +4,19 @@ import { cssOf, fixed, paintTolerance_mm, toVec3 } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
 import { numberField } from '../number_field';
-import { isBusyWith, stageOf, type State } from '../state';
-import { button, hint, notice, section, segmented, type Html } from '../widgets';
+import type { State } from '../state';
+import { button, hint, section, segmented, type Html } from '../widgets';
 
 type Boundary = Schemas['Boundary'];
-
-const SET_NAMES: Record<string, string> = {
-  cut: 'Edge of the meshed region',
-  scan_edge: 'Edge of the scan',
-  moved_bone: 'Mobilized segment',
-  still_bone: 'Stationary bone',
-  brain: 'Brain',
-  skin: 'Skin',
-  free: 'Other surfaces, for example the airway',
-};
 
 const LABEL_TITLES: Record<string, string> = {
   fixed: 'No displacement',
   free: 'No support; the mobilized segment can push it',
-  slides: 'Slides on stationary bone without penetration',
   'with segment': 'Moves with the mobilized segment',
+  contact: 'No support; any bone can push it',
+  bonded: 'Moves with the closest bone',
+  elevated: 'Elastic layer on the closest bone',
+  sliding: 'Stays on the closest bone, moves freely along it',
 };
 
 const ERASE = 0;
@@ -42,18 +35,14 @@ export function boundarySection(app: App, s: State): Html {
   if (!s.boundary || !s.volume || !app.boundaryBrush.labels) return nothing;
   if (app.model.doc.plan.segments.length === 0)
     return section('Painted boundary', hint('The boundary can be painted when the plan has a segment.'));
-  return html`
-    ${section(
-      'Painted boundary',
-      hint('Rules set the boundary conditions of the tissue. Paint where a rule is wrong.'),
-      labelButtons(app, s, s.boundary),
-      brushFields(app, s, s.boundary),
-      paintedTable(s, s.boundary),
-      fileButtons(app, s, s.boundary),
-      previewNotice(app, s),
-    )}
-    ${rulesTable(s.boundary)}
-  `;
+  return section(
+    'Painted boundary',
+    hint('Rules set the boundary conditions of the tissue. Paint where a rule is wrong.'),
+    labelButtons(app, s, s.boundary),
+    brushFields(app, s, s.boundary),
+    paintedTable(s, s.boundary),
+    fileButtons(app, s, s.boundary),
+  );
 }
 
 function labelButtons(app: App, s: State, { names }: Boundary): Html {
@@ -118,13 +107,13 @@ function brushFields(app: App, s: State, { names }: Boundary): Html {
     : hint('Select a label to paint.')}`;
 }
 
-const paintedTable = (s: State, { names, areas }: Boundary): Html =>
+const paintedTable = (s: State, { names, map }: Boundary): Html =>
   html`<table data-id="painted-areas">
     <thead>
       <tr>
         <th>Painted</th>
         <th>On bone and skin</th>
-        ${areas ? html`<th title="Of the last tissue mesh">Of the mesh</th>` : nothing}
+        ${map ? html`<th title="Of the last tissue mesh">Of the mesh</th>` : nothing}
       </tr>
     </thead>
     <tbody>
@@ -135,7 +124,7 @@ const paintedTable = (s: State, { names, areas }: Boundary): Html =>
             <td data-set=${name} data-mm2=${(s.paintedAreas?.[value] ?? 0).toFixed(1)}>
               ${mm2(s.paintedAreas?.[value] ?? 0)}
             </td>
-            ${areas ? html`<td>${mm2(areas.painted.find((x) => x.name === name)?.area_mm2 ?? 0)}</td>` : nothing}
+            ${map ? html`<td>${mm2(map.painted.find((x) => x.name === name)?.area_mm2 ?? 0)}</td>` : nothing}
           </tr>`,
       )}
     </tbody>
@@ -144,7 +133,7 @@ const paintedTable = (s: State, { names, areas }: Boundary): Html =>
 function fileButtons(app: App, s: State, { names }: Boundary): Html {
   const isPainted = names.some(({ value }) => (s.paintedAreas?.[value] ?? 0) > 0);
   const open = (): void => chooseFiles(false, ([file]) => file && void app.boundaryBrush.upload(file));
-  const title = 'A segmentation of another program, with segments named fixed, free, slides or with segment';
+  const title = `A segmentation of another program, with segments named ${names.map((x) => x.name).join(', ')}`;
   return html`<div class="row wrap">
     ${isPainted
       ? button('Erase all', () => app.boundaryBrush.eraseAll(), { kind: 'quiet', id: 'paint-erase-all' })
@@ -154,56 +143,4 @@ function fileButtons(app: App, s: State, { names }: Boundary): Html {
       ? button('Download', () => void app.download('boundary.seg.nrrd'), { kind: 'quiet', icon: 'download' })
       : nothing}
   </div>`;
-}
-
-function previewNotice(app: App, s: State): Html {
-  const preview = stageOf(s, 'preview');
-  if (preview.state !== 'stale' || stageOf(s, 'cut').state !== 'fresh') return nothing;
-  const update = button('Update preview', () => void app.run({ kind: 'preview-factor' }), {
-    disabled: isBusyWith(s, 'preview-factor'),
-    id: 'prepare-preview',
-  });
-  return notice('warning', 'The preview is out of date', preview.why, update);
-}
-
-const rulesTable = ({ areas, rules, elevation_margin_mm }: Boundary): Html =>
-  html`<details class="group" data-id="boundary-rules">
-    <summary>Boundary rules</summary>
-    <div>
-      ${hint(
-        html`The first rule that matches applies. Tissue is released from stationary bone and brain within
-          <b>${fixed(elevation_margin_mm, 1)} mm</b> of the mobilized segment.`,
-      )}
-      <table>
-        <thead>
-          <tr>
-            <th>Set</th>
-            <th>Within</th>
-            ${areas
-              ? html`<th>Fixed</th>
-                  <th>Free</th>`
-              : nothing}
-          </tr>
-        </thead>
-        <tbody>
-          ${rules.map((rule) => ruleRow(rule, areas))}
-        </tbody>
-      </table>
-      ${areas
-        ? hint(`From the last ${areas.stage}, without the painted areas.`)
-        : hint('The areas are known after the preview is prepared.')}
-    </div>
-  </details>`;
-
-function ruleRow({ set, within_mm }: Boundary['rules'][number], areas: Boundary['areas']): Html {
-  const area = areas?.rules.find((x) => x.set === set);
-  const title = area && area.with_segment > 0 ? `${mm2(area.with_segment)} of it moves with the segment` : nothing;
-  return html`<tr>
-    <td>${SET_NAMES[set] ?? set}</td>
-    <td>${within_mm === null ? '–' : `${fixed(within_mm, 2)} mm`}</td>
-    ${areas
-      ? html`<td>${area ? mm2(area.fixed) : ''}</td>
-          <td title=${title}>${area ? mm2(area.free + area.with_segment) : ''}</td>`
-      : nothing}
-  </tr>`;
 }

@@ -15,6 +15,7 @@ const FILE_WORDS: Record<string, string> = {
   'skin_before.vtp': 'Face before',
   'bone_segment_moved.vtp': 'Moved segment',
   'bone_remainder.vtp': 'Remaining bone',
+  'interface.vtp': 'Interface map',
   'prediction.json': 'All results of the solve',
   'plan.json': 'Plan',
   'landmarks.mrk.json': 'Landmarks',

@@ -1,11 +1,12 @@
 import { html } from 'lit-html';
 import type { Material, Plan } from '../../model';
 import type { App } from '../app';
-import { numberField } from '../number_field';
 import type { State } from '../state';
 import { hint, section, segmented, type Html } from '../widgets';
 import { advancedSection } from './advanced_section';
 import { boundarySection } from './boundary_section';
+import { interfaceMapSection } from './interface_map_section';
+import { interfaceSection, outerSection } from './interface_section';
 import { layersSection } from './layers_section';
 import { MATERIALS, OWN_MATERIAL, ownConstants, type Preset } from './material_field';
 import type { SetPlan } from './set_plan';
@@ -27,8 +28,9 @@ export function tissuePanel(app: App, s: State): Html {
       'The motion of the bone is prescribed. The shape of a uniform tissue then depends on its ' +
         'compressibility (ν), not on its stiffness.',
     )}
-    ${materialSection(plan, set)} ${layersSection(app)} ${segmentSection(plan, set)} ${scanEdgeSection(plan, set)}
-    ${boundarySection(app, s)} ${resolutionSection(plan, set)} ${advancedSection(plan, set)}
+    ${materialSection(plan, set)} ${layersSection(app)} ${interfaceSection(plan, set)} ${outerSection(plan, set)}
+    ${interfaceMapSection(app, s)} ${boundarySection(app, s)} ${resolutionSection(plan, set)}
+    ${advancedSection(plan, set)}
   `;
 }
 
@@ -56,48 +58,6 @@ function materialSection({ tissue = {} }: Plan, set: SetPlan): Html {
     own ? ownConstants(own, 'tissue', setMaterial) : '',
   );
 }
-
-function segmentSection({ boundary = {} }: Plan, set: SetPlan): Html {
-  return section(
-    'Interface of the mobilized segment',
-    segmented(
-      'Tissue on the mobilized segment',
-      [
-        { value: 'sliding', text: 'Sliding' },
-        { value: 'bonded', text: 'Bonded' },
-      ] as const,
-      boundary.segment_interface ?? 'sliding',
-      (v) => set({ boundary: { ...boundary, segment_interface: v } }),
-    ),
-    hint(
-      'Sliding detects contact and prevents penetration of the bone. Bonded is faster; the tissue follows the bone.',
-    ),
-    numberField({
-      label: 'Periosteal elevation',
-      hint: 'tissue is released from stationary bone within this distance of the segment',
-      value: boundary.elevation_margin_mm ?? 8,
-      unit: 'mm',
-      min: 0,
-      max: 100,
-      step: 1,
-      onInput: (v) => set({ boundary: { ...boundary, elevation_margin_mm: v } }, 'release'),
-    }),
-  );
-}
-
-const scanEdgeSection = ({ boundary = {} }: Plan, set: SetPlan): Html =>
-  section(
-    'Edge of the scan',
-    segmented(
-      'Tissue at the edge of the scan',
-      [
-        { value: 'free', text: 'Free' },
-        { value: 'fixed', text: 'Fixed' },
-      ] as const,
-      boundary.scan_boundary ?? 'free',
-      (v) => set({ boundary: { ...boundary, scan_boundary: v } }),
-    ),
-  );
 
 function resolutionSection({ tissue = {} }: Plan, set: SetPlan): Html {
   const near = tissue.element_size_mm ?? 2.5;

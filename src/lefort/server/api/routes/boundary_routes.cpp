@@ -2,9 +2,10 @@
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/json/json_values.h>
-#include <lefort/predict/tissue_boundary.h>
+#include <lefort/predict/interface_map.h>
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
+#include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/served_case.h>
 
 #include <fmt/format.h>
@@ -13,6 +14,8 @@
 #include <array>
 #include <charconv>
 #include <memory>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -92,51 +95,77 @@ BoundaryLabelMap cropped(const BoundaryLabelMap& painted) {
   return part;
 }
 
-json rules_json(const predict::BoundaryOptions& options) {
+json paintable_labels() {
+  json names = json::array();
+  for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
+    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"color", style.color}});
+  return names;
+}
+
+/// Color of a condition: that of the label of its name. Plane ends of the mesh have no label.
+std::array<double, 3> color_of(const predict::InterfaceConditionStyle& condition) {
+  for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
+    if (std::string_view(style.name) == condition.name) return style.color;
+  const bool is_roller = condition.condition == predict::InterfaceCondition::kRoller;
+  return is_roller ? std::array{0.45, 0.45, 0.45} : std::array{0.80, 0.47, 0.65};
+}
+
+json conditions_json() {
+  json conditions = json::array();
+  for (const predict::InterfaceConditionStyle& style : predict::kInterfaceConditions)
+    conditions.push_back(
+        {{"value", int(style.condition)}, {"name", style.name}, {"color", color_of(style)}});
+  return conditions;
+}
+
+json rules_json() {
   json rules = json::array();
-  for (const auto& [set, within_mm] : predict::boundary_rules(options))
-    rules.push_back({{"set", set}, {"within_mm", within_mm ? json(*within_mm) : json()}});
+  for (const predict::InterfaceRuleStyle& style : predict::kInterfaceRules)
+    rules.push_back({{"value", int(style.rule)}, {"name", style.name}});
   return rules;
 }
 
-/// Boundary statistics of the newest mesh of this plan; null if there is none.
-json areas_json(const CaseFolder& folder) {
-  const auto areas = [](const char* stage, const json& boundary) -> json {
-    json rules = json::array();
-    for (const json& rule : boundary.at("rules")) {
-      json row = rule.at("area_mm2");
-      row["set"] = rule.at("set");
-      rules.push_back(std::move(row));
-    }
+/// Groups of a result's interface map; segments by name.
+json groups_json(const json& interface, const io::PlanFile& plan) {
+  json groups = json::array();
+  for (json group : interface.at("groups")) {
+    if (const json& segment = group.at("segment"); !segment.is_null())
+      group["segment"] = plan.segments.at(segment.get<std::size_t>()).osteotomy.segment;
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Interface map and painted areas of the tissue mesh of this plan; null if there is none.
+json map_json(const CaseFolder& folder, const io::PlanFile& plan) {
+  const auto stage = fresh_tissue_stage(folder);
+  if (!stage) return nullptr;
+  const json document = *stage == "preview" ? read_object(folder.preview() / "preview.json")
+                                            : read_object(folder.prediction() / "prediction.json");
+  try {
+    const json& boundary =
+        *stage == "preview" ? document.at("boundary") : document.at("mesh").at("boundary");
     json painted = json::array();
     if (boundary.at("painted").is_object())
       for (const auto& [name, mm2] : boundary["painted"].at("area_mm2").items())
         painted.push_back({{"name", name}, {"area_mm2", mm2}});
-    return {{"stage", stage}, {"rules", rules}, {"painted", painted}};
-  };
-  try {
-    if (folder.stage("preview")["state"] == "fresh")
-      return areas("preview", read_object(folder.preview() / "preview.json").at("boundary"));
-    if (folder.stage("prediction")["state"] == "fresh")
-      return areas("prediction",
-                   read_object(folder.prediction() / "prediction.json").at("mesh").at("boundary"));
+    return {{"stage", *stage},
+            {"groups", groups_json(boundary.at("interface"), plan)},
+            {"painted", painted}};
   } catch (const json::exception&) {  // Written by an older version: ignored.
+  } catch (const std::out_of_range&) {
   }
   return nullptr;
 }
 
 Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
-  json names = json::array();
-  for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
-    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"color", style.color}});
   const auto plan = io::read_plan(served.folder.plan());
   const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
-  return json_response(
-      {{"names", names},
-       {"contact_snap_mm", options.contact_snap_mm},
-       {"elevation_margin_mm", options.elevation_margin_mm.value_or(predict::kElevationMargin_mm)},
-       {"rules", rules_json(options)},
-       {"areas", areas_json(served.folder)}});
+  return json_response({{"names", paintable_labels()},
+                        {"contact_snap_mm", options.contact_snap_mm},
+                        {"conditions", conditions_json()},
+                        {"rules", rules_json()},
+                        {"map", plan ? map_json(served.folder, *plan) : json()}});
 }
 
 Response get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {

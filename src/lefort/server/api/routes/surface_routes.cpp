@@ -1,4 +1,6 @@
 #include <lefort/io/surface_files.h>
+#include <lefort/io/vertex_array.h>
+#include <lefort/pipeline/prepare/interface_surface.h>
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
 #include <lefort/server/case/file_catalog.h>
@@ -7,7 +9,9 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace lefort::server {
 namespace {
@@ -15,17 +19,30 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-Response surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
+/// Names of point data.
+using ScalarNames = std::vector<std::string>;
+
+Response surface_reply(ServedCase& served, const Request& request, const fs::path& file,
+                       const ScalarNames& names = {}) {
   const auto etag = served.folder.etag(file);
   if (!etag) return not_found("this surface does not exist yet");
   if (is_not_modified(request, etag)) return not_modified(etag);
   const auto bytes = served.cached_surfaces.get(file.string(), *etag, [&]() -> Result<std::string> {
     LEFORT_TRY(const geometry::TriangleMesh mesh, io::read_surface(file));
-    return encode_surface(mesh);
+    std::vector<std::vector<double>> scalars;
+    for (const std::string& name : names) {
+      LEFORT_TRY(std::vector<double> values, io::read_vertex_array(file, name));
+      if (values.size() != mesh.vertices.size())
+        return fail(ErrorCode::kFileCorrupt,
+                    fmt::format("array {} has {} values, the surface {} vertices", name,
+                                values.size(), mesh.vertices.size()));
+      scalars.push_back(std::move(values));
+    }
+    return encode_surface(mesh, scalars);
   });
   if (!bytes) return error_response(bytes.error());
   Response reply = binary_response({*bytes, **bytes});
-  reply.headers.emplace_back("X-Lefort-Scalars", "");
+  reply.headers.emplace_back("X-Lefort-Scalars", fmt::format("{}", fmt::join(names, ",")));
   return with_etag(std::move(reply), etag);
 }
 
@@ -50,7 +67,10 @@ Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
 Response get_surface(ServedCase& served, const Request& request, const PathValues& values) {
   const NamedFile* const surface = find_named(surface_catalog(), values[0]);
   if (surface == nullptr) return not_found("no surface of that name");
-  return surface_reply(served, request, surface->path(served.folder));
+  const bool is_interface = surface->name == kInterfaceSurface;
+  return surface_reply(
+      served, request, surface->path(served.folder),
+      is_interface ? ScalarNames{pipeline::kConditionArray, pipeline::kRuleArray} : ScalarNames{});
 }
 
 Response get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
