@@ -52,8 +52,12 @@ TEST(EstimateLandmarks, EveryRegionIsFoundFromTopToBottom) {
   for (std::size_t v = 0; v < region_of.size(); ++v) {
     height_mm[std::size_t(region_of[v])] += skin_L.vertices[v].z();
     ++count[std::size_t(region_of[v])];
-    if (region_of[v] == FaceRegion::kLeftCheek) EXPECT_GT(skin_L.vertices[v].x(), 0.0);
-    if (skin_L.vertices[v].y() > 0.0) EXPECT_EQ(region_of[v], FaceRegion::kElsewhere);
+    if (region_of[v] == FaceRegion::kLeftCheek) {
+      EXPECT_GT(skin_L.vertices[v].x(), 0.0);
+    }
+    if (skin_L.vertices[v].y() > 0.0) {
+      EXPECT_EQ(region_of[v], FaceRegion::kElsewhere);
+    }
   }
   for (const FaceRegion region : kFaceRegions) {
     ASSERT_GT(count[std::size_t(region)], 3.0) << name_of(region);

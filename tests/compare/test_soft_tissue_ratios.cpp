@@ -244,7 +244,8 @@ TEST(SoftTissueRatios, KnowTheProcedureByLandmarksOrParent) {
 
 TEST(SoftTissueRatios, IncludeStudiesOfBothJawsIfBothMove) {
   BoxHead head;
-  head.add("maxilla", moved_by({0, -4, 0}), -15, 0).osteotomy.procedure = OsteotomyTemplate::kLeFort1;
+  head.add("maxilla", moved_by({0, -4, 0}), -15, 0).osteotomy.procedure =
+      OsteotomyTemplate::kLeFort1;
   head.add("mandible", moved_by({0, 4, 0}), 1, 15).osteotomy.procedure =
       OsteotomyTemplate::kSagittalSplit;
   head.landmarks_L = {{"ANS", {-5, -30, 5}}, {"Sn", {-5, -60, 5}}};
@@ -258,7 +259,8 @@ TEST(SoftTissueRatios, IncludeStudiesOfBothJawsIfBothMove) {
 
 TEST(SoftTissueRatios, OfPartsThatMoveApartAreThoseOfExpansion) {
   BoxHead head;
-  head.add("right", moved_by({-2, 0, 0}), -15, -1).osteotomy.procedure = OsteotomyTemplate::kLeFort1;
+  head.add("right", moved_by({-2, 0, 0}), -15, -1).osteotomy.procedure =
+      OsteotomyTemplate::kLeFort1;
   head.add("left", moved_by({3, 0, 0}), 1, 15).cut_from = "right";
   head.landmarks_L = {{"Al-R", {-12, -60, 0}}, {"Al-L", {12, -60, 0}}};
   const auto ratios = head.ratios([](const Vec3& p_L) { return Vec3(0.01 * p_L.x(), 0, 0); });

@@ -41,8 +41,8 @@ namespace lefort::contact {
 ///
 /// **Rest gap.** Depth is measured from the reference configuration: the mesh matches the surface
 /// of the bone only within the chord height of its faces, and a patient at rest is in equilibrium.
-/// g_0n is the gap of the point in the reference configuration if that is at most `contact_snap_mm` in
-/// magnitude, or is negative; else it is zero.
+/// g_0n is the gap of the point in the reference configuration if that is at most `contact_snap_mm`
+/// in magnitude, or is negative; else it is zero.
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
 /// If a penetration tolerance is set, the tangent plane of its contact reference becomes the

@@ -37,7 +37,7 @@ struct RigidPath {
 /// Checks that a path is valid.
 ///
 /// \param path  from the plan.
-/// \returns nothing, or kPlanInvalid naming the segment and the invalid value: no keyframe, `path_fraction`
+/// \returns nothing, or kPlanInvalid naming segment and invalid value: no keyframe, fractions
 ///   not ascending within (0, 1] or not ending at 1, a number that is not finite, a rotation by pi
 ///   or more, in total or from the previous keyframe (its direction would be ambiguous), fewer than
 ///   one step.

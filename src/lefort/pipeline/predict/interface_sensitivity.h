@@ -19,7 +19,7 @@ namespace lefort::pipeline {
 /// solved on the same coarse mesh, over the skin that either of them moves by more than 0.5 mm.
 /// Where elements between two bonded bones invert, the interface `clinical` replaces `bonded`.
 struct InterfaceSensitivity {
-  double element_size_mm = 0.0;  ///< Of the coarse mesh.
+  double element_size_mm = 0.0;                                       ///< Of the coarse mesh.
   predict::TissueInterface held = predict::TissueInterface::kBonded;  ///< Or kClinical.
   double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
   std::optional<std::string> failure = std::nullopt;  ///< Why there are no distances.
