@@ -232,14 +232,15 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_EQ(plan->landmarks.size(), 5U);
   ASSERT_EQ(plan->segments.size(), 3U);
-  const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted] = plan->segments[0];
+  const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted, is_whole] =
+      plan->segments[0];
   EXPECT_EQ(maxilla.segment, "maxilla");
   EXPECT_EQ(maxilla.kerf_mm, 0.5);
   EXPECT_EQ(maxilla.procedure, plan::OsteotomyTemplate::kLeFort1);
   EXPECT_EQ(maxilla.planes.size(), 2U);
   EXPECT_NEAR((maxilla.planes[0].point_L - Vec3(0, -70, -25)).norm(), 7.0, 1e-12);
   EXPECT_EQ(maxilla_from, "");
-  EXPECT_FALSE(is_distracted);
+  EXPECT_FALSE(is_distracted || is_whole);
   EXPECT_EQ(maxilla_path.interpolation, geometry::Interpolation::kScrew);
   EXPECT_EQ(maxilla_path.keyframes[0].center_L, Vec3(0, -25, -28));
   EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
