@@ -18,12 +18,12 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// A head with a hollow cranium and a mandible below it.
+/// A head with a hollow cranium, large enough for a brain, and a mandible below it.
 HeadSurfaces head() {
-  return {test::make_icosphere(60.0, 4),
-          test::join(test::make_icosphere(30.0, 4, {0, 0, 15}),
-                     test::turn_inside_out(test::make_icosphere(22.0, 4, {0, 0, 15}))),
-          test::make_box({-12, -30, -40}, {12, -10, -25})};
+  return {test::make_icosphere(75.0, 4),
+          test::join(test::make_icosphere(45.0, 4, {0, 0, 15}),
+                     test::turn_inside_out(test::make_icosphere(36.0, 4, {0, 0, 15}))),
+          test::make_box({-12, -30, -55}, {12, -10, -40})};
 }
 
 double max_distance_mm(const TriangleMesh& from, const TriangleMesh& onto) {
@@ -56,19 +56,19 @@ TEST(HeadFromSurfaces, LabelsEachTissue) {
     return scan->labels.at(Index(v[0]), Index(v[1]), Index(v[2]));
   };
   EXPECT_EQ(at({0, 0, 15}), Tissue::kBrain);
-  EXPECT_EQ(at({0, 26, 15}), Tissue::kBone);
-  EXPECT_EQ(at({0, -20, -32}), Tissue::kMandible);
-  EXPECT_EQ(at({0, -45, 0}), Tissue::kSoftTissue);
+  EXPECT_EQ(at({0, 40, 15}), Tissue::kBone);
+  EXPECT_EQ(at({0, -20, -47}), Tissue::kMandible);
+  EXPECT_EQ(at({0, -55, 0}), Tissue::kSoftTissue);
   EXPECT_EQ(scan->labels.values.front(), Tissue::kBackground);
 }
 
 TEST(HeadFromSurfaces, EndsWhereTheSkinIsTruncated) {
   HeadSurfaces surfaces = head();
-  surfaces.skin_L = test::make_box({-50, -50, -60}, {50, 50, 60});
+  surfaces.skin_L = test::make_box({-60, -60, -70}, {60, 60, 70});
   const auto scan = scan_from_surfaces(surfaces, 2.0);
   ASSERT_TRUE(scan) << scan.error().message;
   EXPECT_EQ(scan->labels.values.front(), Tissue::kSoftTissue);
-  EXPECT_GT(scan->labels.grid.origin_L.z(), -60.0);
+  EXPECT_GT(scan->labels.grid.origin_L.z(), -70.0);
 }
 
 TEST(HeadFromSurfaces, SurfacesThatEncloseNothingAreRejectedByName) {

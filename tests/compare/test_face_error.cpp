@@ -34,7 +34,7 @@ TriangleMesh head() {
   return skin_L;
 }
 
-TriangleMesh bone() { return test::make_box({-40, -80, -70}, {40, 60, 60}); }
+TriangleMesh bone() { return test::make_box({-30, -80, -70}, {30, 60, 60}); }
 
 std::vector<FaceRegion> regions_of_head(const TriangleMesh& skin_L) {
   const auto landmarks = estimate_landmarks(skin_L, bone());
