@@ -184,11 +184,16 @@ std::vector<compare::Interval> fit_intervals(const ParameterFit& fit,
                                              const compare::BootstrapOptions& bootstrap) {
   const Index count = fit.at.size(), cases = Index(fit.linearized.size());
   std::vector<std::vector<double>> replicates{std::size_t(count)};
-  if (cases >= 2)
+  if (cases >= 2) {
+    // Relative to the step of all cases, which is not zero if the fit stopped early.
+    const VectorX center =
+        step_of(mean_of_cases(fit.linearized, all_of(std::size_t(cases))), fit.at, 0.0, 1.0);
     for (const std::vector<Index>& drawn : compare::bootstrap_samples(cases, bootstrap)) {
-      const VectorX at = fit.at + step_of(mean_of_cases(fit.linearized, drawn), fit.at, 0.0, 1.0);
+      const VectorX step = step_of(mean_of_cases(fit.linearized, drawn), fit.at, 0.0, 1.0);
+      const VectorX at = (fit.at + step - center).cwiseMax(0.0).cwiseMin(1.0);
       for (Index p = 0; p < count; ++p) replicates[std::size_t(p)].push_back(at[p]);
     }
+  }
   std::vector<compare::Interval> intervals;
   for (const std::vector<double>& values : replicates)
     intervals.push_back(compare::percentile_interval(values, bootstrap.level));
