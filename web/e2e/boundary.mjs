@@ -111,7 +111,9 @@ async function eraseAndUndo(page, ask, painted, kept) {
 }
 
 test('boundary painted on bone: shown, measured, undone, saved; the preview changes', () =>
-  withPage(planned, async (page, { ask, run }) => {
+  withPage(planned, async (page, { ask, put, run }) => {
+    // Nothing is bonded to the segment by rule, so that paint changes the preview.
+    await put('/plan', { ...PLAN, boundary: { interface: 'contact' } });
     await run({ kind: 'preview-factor' });
     const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
     const preview = async () =>
@@ -160,8 +162,7 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     const rules = await mapRows(page);
     check(
       `the map names what is painted: ${rules}`,
-      rules.some((row) => /Painted.*bonded/s.test(row)) &&
-        rules.some((row) => /Near an osteotomy.*elevated/s.test(row)),
+      rules.some((row) => /Painted.*bonded/s.test(row)) && rules.some((row) => /Mobilized segment.*contact/s.test(row)),
     );
 
     // A reloaded page shows the paint.
@@ -172,6 +173,7 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     check('the plan no longer names it', (await plan()).boundary?.labels === undefined);
     const { stages } = await (await ask('GET', '/case')).json();
     check('the file is removed', stages.boundary.state === 'missing');
+    await put('/plan', PLAN);
   }));
 
 test('boundary painted on skin, dark theme', () =>

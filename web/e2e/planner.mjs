@@ -28,7 +28,7 @@ export const idle = (page, timeout = 900000) => page.waitForSelector(id('job'), 
 /** All changes are saved. Waits first, until the last change is shown as unsaved. */
 export async function saved(page) {
   await page.waitForTimeout(300);
-  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, {
+  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent.trim() === 'Saved', null, {
     timeout: 60000,
   });
 }
