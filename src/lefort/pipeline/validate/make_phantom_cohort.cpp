@@ -96,6 +96,22 @@ Result<nlohmann::ordered_json> make_case(const PhantomCohortJob& job, const Phan
                                 {"scale", {one.scale.x(), one.scale.y(), one.scale.z()}}};
 }
 
+/// Draws and makes a case. A head whose bone cannot be cut or whose face cannot be solved is drawn
+/// again with another seed.
+Result<nlohmann::ordered_json> make_drawn_case(const PhantomCohortJob& job,
+                                               const PhantomTruth& truth, int number,
+                                               Progress& progress) {
+  constexpr int kAttempts = 20;
+  for (int attempt = 0;; ++attempt) {
+    const PhantomCase one = draw_case(job, number, attempt);
+    auto made = make_case(job, truth, one, progress);
+    if (made) return *std::move(made);
+    if (!is_of_case(made.error()) || attempt + 1 == kAttempts)
+      return fail(made.error().code, fmt::format("{}: {}", one.name, made.error().message));
+    progress.note(fmt::format("{} is drawn again: {}", one.name, made.error().message));
+  }
+}
+
 }  // namespace
 
 Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progress) {
@@ -116,12 +132,9 @@ Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progr
       {"noise_hu", job.noise_hu},
       {"cases", nlohmann::ordered_json::array()}};
   for (int k = 0; k < job.cases; ++k) {
-    const PhantomCase one = draw_case(job, k);
     CaseProgress of_case(fmt::format("case {} of {}: ", k + 1, job.cases), progress);
-    auto made = make_case(job, truth, one, of_case);
-    if (!made)
-      return fail(made.error().code, fmt::format("{}: {}", one.name, made.error().message));
-    document["cases"].push_back(*std::move(made));
+    LEFORT_TRY(auto made, make_drawn_case(job, truth, k, of_case));
+    document["cases"].push_back(std::move(made));
   }
   LEFORT_TRY_VOID(io::write_text(job.output / "truth.json", document.dump(2) + "\n"));
   return Summary{fmt::format("{}: {} synthetic cases; their parameters are in truth.json",

@@ -78,13 +78,15 @@ PhantomTruth draw_truth(std::uint64_t seed) {
   return {std::exp(logarithm), numbers.draw(0.36, 0.48)};
 }
 
-PhantomCase draw_case(const PhantomCohortJob& job, int number) {
+PhantomCase draw_case(const PhantomCohortJob& job, int number, int attempt) {
   constexpr std::uint64_t kStride = 1000003;  // Seeds of cohorts do not overlap.
-  PhantomCase one{.name = fmt::format("case_{:02}", number + 1),
-                  .seed = job.seed * kStride + std::uint64_t(number) + 1,
-                  .procedure = {},
-                  .scale = Vec3::Ones(),
-                  .plan = {}};
+  constexpr std::uint64_t kCases = 100;       // More than a cohort may have.
+  PhantomCase one{
+      .name = fmt::format("case_{:02}", number + 1),
+      .seed = job.seed * kStride + std::uint64_t(number) + 1 + std::uint64_t(attempt) * kCases,
+      .procedure = {},
+      .scale = Vec3::Ones(),
+      .plan = {}};
   UniformNumbers numbers(one.seed);
   for (Index axis = 0; axis < 3; ++axis) one.scale[axis] = numbers.draw(0.95, 1.05);
   Json segments = Json::array();

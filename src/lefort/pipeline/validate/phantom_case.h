@@ -39,9 +39,10 @@ inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
 /// the mandible with autorotation, an advancement of the mandible, an advancement of the mid-face,
 /// and both jaws.
 ///
-/// \param job     voxel and element size, seed.
-/// \param number  of the case, from 0.
-[[nodiscard]] PhantomCase draw_case(const PhantomCohortJob& job, int number);
+/// \param job      voxel and element size, seed.
+/// \param number   of the case, from 0.
+/// \param attempt  from 0; each has other numbers.
+[[nodiscard]] PhantomCase draw_case(const PhantomCohortJob& job, int number, int attempt = 0);
 
 /// The scan of a case and its true labels: the synthetic head, stretched by its scale.
 [[nodiscard]] anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job,
