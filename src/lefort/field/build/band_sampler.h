@@ -65,7 +65,8 @@ class BandSampler {
   ///
   /// \param slot       position in bricks().
   /// \param distances  kUnsampled beyond the max distance.
-  BrickSigns sample(Index slot, std::span<float, SparseLattice::kBrickPoints> distances) const;
+  [[nodiscard]] BrickSigns sample(Index slot,
+                                  std::span<float, SparseLattice::kBrickPoints> distances) const;
 
  private:
   BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double max_distance_mm,
