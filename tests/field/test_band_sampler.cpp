@@ -126,9 +126,10 @@ std::vector<float> samples_with(const PreparedSurface& surface, const FieldFrame
                                   .value();
   std::vector<float> samples(sampler.bricks().size() * SparseLattice::kBrickPoints);
   for (std::size_t slot = 0; slot < sampler.bricks().size(); ++slot)
-    sampler.sample(Index(slot), std::span<float, SparseLattice::kBrickPoints>(
-                                    samples.data() + slot * SparseLattice::kBrickPoints,
-                                    SparseLattice::kBrickPoints));
+    static_cast<void>(sampler.sample(
+        Index(slot),
+        std::span<float, SparseLattice::kBrickPoints>(
+            samples.data() + slot * SparseLattice::kBrickPoints, SparseLattice::kBrickPoints)));
   return samples;
 }
 
