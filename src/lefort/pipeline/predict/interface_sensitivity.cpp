@@ -79,7 +79,7 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
     sensitivity.held = predict::TissueInterface::kClinical;
     held_mm = solve(prepared, sensitivity.held, cache, progress);
   }
-  const auto pushed_mm =
+  Result<std::vector<Vec3>> pushed_mm =
       held_mm ? solve(prepared, predict::TissueInterface::kContact, cache, progress) : held_mm;
   if (!pushed_mm) {
     if (pushed_mm.error().code == ErrorCode::kCancelled) return tl::unexpected(pushed_mm.error());
@@ -93,6 +93,8 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
   for (std::size_t v = 0; v < held_mm->size(); ++v)
     if (std::max((*held_mm)[v].norm(), (*pushed_mm)[v].norm()) > kMoved_mm)
       distances_mm.push_back(((*held_mm)[v] - (*pushed_mm)[v]).norm());
+  sensitivity.held_mm = *std::move(held_mm);
+  sensitivity.contact_mm = *std::move(pushed_mm);
   if (distances_mm.empty()) return sensitivity;
   std::sort(distances_mm.begin(), distances_mm.end());
   sensitivity.p50_mm = percentile(distances_mm, 0.50);

@@ -12,6 +12,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace lefort::pipeline {
 
@@ -23,6 +24,8 @@ struct InterfaceSensitivity {
   predict::TissueInterface held = predict::TissueInterface::kBonded;  ///< Or kClinical.
   double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
   std::optional<std::string> failure = std::nullopt;  ///< Why there are no distances.
+  /// Displacement of each vertex of the skin [mm]; empty with `failure`.
+  std::vector<Vec3> held_mm{}, contact_mm{};
 };
 
 /// \param prepared  the case; its own interface is not used.

@@ -19,6 +19,7 @@
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/skin_displacement.h>
+#include <lefort/predict/tissue_boundary.h>
 
 #include <fmt/format.h>
 
@@ -227,6 +228,26 @@ std::vector<compare::SoftTissueRatio> measure_ratios(const PreparedCase& prepare
                                      prepared.plan.landmarks);
 }
 
+/// The ratios of the prediction, with those of both interfaces of the sensitivity.
+std::vector<ExplainedRatio> explain_ratios(const PreparedCase& prepared,
+                                           const predict::PredictionStep& last,
+                                           std::span<const Vec3> skin_mm,
+                                           const std::optional<InterfaceSensitivity>& sensitivity) {
+  std::vector<compare::SoftTissueRatio> held, contact;
+  if (sensitivity && !sensitivity->failure) {
+    held = measure_ratios(prepared, last, sensitivity->held_mm);
+    contact = measure_ratios(prepared, last, sensitivity->contact_mm);
+  }
+  std::vector<ExplainedRatio> explained =
+      with_interfaces(measure_ratios(prepared, last, skin_mm), held, contact);
+  std::vector<Vec3> scan_boundary_L;
+  const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  for (const std::int32_t node : tissue.node_sets.at(predict::sets::kScanBoundary))
+    scan_boundary_L.push_back(tissue.nodes_L[std::size_t(node)]);
+  measure_scan_boundary(explained, prepared.plan.landmarks, scan_boundary_L);
+  return explained;
+}
+
 Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
                            const SolvedPath& solved, const std::string& plan_text,
                            const StageCache& cache, StageTimer& progress) {
@@ -240,7 +261,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
     progress.note(fmt::format("{} versus contact interface, coarse mesh: {}",
                               name_of(sensitivity->held), in_words(*sensitivity)));
   }
-  const std::vector<compare::SoftTissueRatio> ratios = measure_ratios(prepared, last, skin_mm);
+  const std::vector<ExplainedRatio> ratios = explain_ratios(prepared, last, skin_mm, sensitivity);
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");

@@ -1,9 +1,12 @@
 #include <lefort/pipeline/predict/ratio_results.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <utility>
 
 namespace lefort::pipeline {
 namespace {
@@ -60,14 +63,31 @@ std::vector<std::string> row_of(const SoftTissueRatio& ratio) {
   return row;
 }
 
+Json by_interface_json(const ExplainedRatio& explained) {
+  if (!explained.by_interface) return nullptr;
+  return {{"held", explained.by_interface->held}, {"contact", explained.by_interface->contact}};
+}
+
+/// A line for each ratio outside its published range.
+report::ReportTable deviation_table(std::span<const ExplainedRatio> ratios) {
+  report::ReportTable table{
+      "Ratios outside the published range, and possible reasons", {"ratio", "reasons"}, {}};
+  for (const ExplainedRatio& one : ratios)
+    if (deviates(one.ratio))
+      table.rows.push_back({fmt::format("{}, {} : {}, {}", one.ratio.segment, one.ratio.soft,
+                                        one.ratio.hard, compare::name_of(one.ratio.axis)),
+                            fmt::format("{}", fmt::join(deviation_reasons(one), " "))});
+  return table;
+}
+
 /// The references of all published ranges of `ratios`, by key.
-report::ReportTable source_table(std::span<const SoftTissueRatio> ratios) {
+report::ReportTable source_table(std::span<const ExplainedRatio> ratios) {
   report::ReportTable table{"Sources of the published ranges", {"source", "reference"}, {}};
   for (const RatioSource& source : compare::ratio_sources()) {
-    const bool is_used = std::any_of(ratios.begin(), ratios.end(), [&](const auto& ratio) {
-      return ratio.published &&
-             std::find(ratio.published->sources.begin(), ratio.published->sources.end(),
-                       source.key) != ratio.published->sources.end();
+    const bool is_used = std::any_of(ratios.begin(), ratios.end(), [&](const auto& explained) {
+      const auto& published = explained.ratio.published;
+      return published && std::find(published->sources.begin(), published->sources.end(),
+                                    source.key) != published->sources.end();
     });
     if (is_used) table.rows.push_back({std::string(source.label), std::string(source.reference)});
   }
@@ -76,9 +96,10 @@ report::ReportTable source_table(std::span<const SoftTissueRatio> ratios) {
 
 }  // namespace
 
-Json ratios_json(std::span<const SoftTissueRatio> ratios) {
+Json ratios_json(std::span<const ExplainedRatio> ratios) {
   Json list = Json::array();
-  for (const SoftTissueRatio& ratio : ratios)
+  for (const ExplainedRatio& explained : ratios) {
+    const SoftTissueRatio& ratio = explained.ratio;
     list.push_back({{"segment", ratio.segment},
                     {"procedure", compare::name_of(ratio.procedure)},
                     {"direction", compare::name_of(ratio.direction)},
@@ -89,20 +110,24 @@ Json ratios_json(std::span<const SoftTissueRatio> ratios) {
                     {"soft_mm", ratio.soft_mm},
                     {"hard_mm", ratio.hard_mm},
                     {"ratio", ratio.ratio()},
-                    {"published", published_json(ratio)}});
+                    {"published", published_json(ratio)},
+                    {"by_interface", by_interface_json(explained)},
+                    {"deviation_reasons", deviation_reasons(explained)}});
+  }
   return list;
 }
 
-std::vector<report::ReportTable> ratio_tables(std::span<const SoftTissueRatio> ratios) {
+std::vector<report::ReportTable> ratio_tables(std::span<const ExplainedRatio> ratios) {
   if (ratios.empty()) return {};
   report::ReportTable table{"Soft tissue to bone: movement of the skin over that of the bone",
                             {"segment", "axis", "skin : bone", "skin [mm]", "bone [mm]", "ratio",
                              "published", "within the published range", "source"},
                             {}};
-  for (const SoftTissueRatio& ratio : ratios) table.rows.push_back(row_of(ratio));
+  for (const ExplainedRatio& one : ratios) table.rows.push_back(row_of(one.ratio));
   std::vector<report::ReportTable> tables{std::move(table)};
-  report::ReportTable sources = source_table(ratios);
-  if (!sources.rows.empty()) tables.push_back(std::move(sources));
+  std::array more{deviation_table(ratios), source_table(ratios)};
+  for (report::ReportTable& one : more)
+    if (!one.rows.empty()) tables.push_back(std::move(one));
   return tables;
 }
 

@@ -2,7 +2,7 @@
 /// Soft-tissue ratios as JSON and as tables of the report.
 #pragma once
 
-#include <lefort/compare/soft_tissue_ratios.h>
+#include <lefort/pipeline/predict/ratio_deviation.h>
 #include <lefort/report/case_report.h>
 
 #include <nlohmann/json.hpp>
@@ -13,10 +13,10 @@
 namespace lefort::pipeline {
 
 /// \returns `soft_tissue_ratios` of contract/prediction.schema.json.
-[[nodiscard]] nlohmann::ordered_json ratios_json(std::span<const compare::SoftTissueRatio> ratios);
+[[nodiscard]] nlohmann::ordered_json ratios_json(std::span<const ExplainedRatio> ratios);
 
-/// \returns the ratios beside published ranges, and the sources of these; no table without ratios.
-[[nodiscard]] std::vector<report::ReportTable> ratio_tables(
-    std::span<const compare::SoftTissueRatio> ratios);
+/// \returns the ratios beside published ranges, reasons of deviations from these, and their sources;
+///   no table without ratios.
+[[nodiscard]] std::vector<report::ReportTable> ratio_tables(std::span<const ExplainedRatio> ratios);
 
 }  // namespace lefort::pipeline

@@ -1,0 +1,59 @@
+/// \file
+/// Why a ratio of soft tissue to bone lies outside its published range.
+#pragma once
+
+#include <lefort/compare/soft_tissue_ratios.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lefort::pipeline {
+
+/// The same ratio by two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
+struct RatioByInterface {
+  double held = 0.0;     ///< By `bonded`; where elements invert, by `clinical`.
+  double contact = 0.0;  ///< By `contact`.
+};
+
+/// A ratio with what may explain a deviation from its range.
+struct ExplainedRatio {
+  compare::SoftTissueRatio ratio;
+  std::optional<RatioByInterface> by_interface = std::nullopt;
+  /// Between the landmark of the skin and the closest point where the scan ends [mm]; only within
+  /// kNearScanBoundary_mm.
+  std::optional<double> scan_boundary_mm = std::nullopt;
+};
+
+/// A displacement at the end of the scan changes the skin up to about twice the thickness of soft
+/// tissue away (Saint-Venant); lips and chin are 12 to 15 mm thick (\cite arnett1999).
+inline constexpr double kNearScanBoundary_mm = 25.0;
+
+/// \param ratios   of the prediction.
+/// \param held     of the same segments and landmarks by the interface that holds tissue; or empty.
+/// \param contact  by the interface `contact`; or empty.
+/// \returns `ratios` in their order. A ratio that `held` or `contact` lacks has no `by_interface`.
+[[nodiscard]] std::vector<ExplainedRatio> with_interfaces(
+    std::span<const compare::SoftTissueRatio> ratios,
+    std::span<const compare::SoftTissueRatio> held,
+    std::span<const compare::SoftTissueRatio> contact);
+
+/// Sets ExplainedRatio::scan_boundary_mm.
+///
+/// \param ratios          changed.
+/// \param landmarks_L     before surgery.
+/// \param scan_boundary_L nodes of the tissue where the scan ends; may be empty.
+void measure_scan_boundary(std::vector<ExplainedRatio>& ratios,
+                           std::span<const plan::Landmark> landmarks_L,
+                           std::span<const Vec3> scan_boundary_L);
+
+/// \returns whether there is a published range that does not contain the ratio.
+[[nodiscard]] bool deviates(const compare::SoftTissueRatio& ratio);
+
+/// \returns sentences, one for each possible reason: the interface, the end of the scan, parts of
+///   the face that the model lacks, a published mean without its spread. Empty if the ratio does
+///   not deviate; otherwise one or more.
+[[nodiscard]] std::vector<std::string> deviation_reasons(const ExplainedRatio& explained);
+
+}  // namespace lefort::pipeline
