@@ -22,7 +22,9 @@ function(lefort_read_layers file)
 endfunction()
 
 # Unity builds (LEFORT_UNITY): sources that share their headers are compiled together, which divides the
-# time of a first build by three or more. Names in anonymous namespaces must therefore differ within a
+# time of a first build by three or more. Sources with many instances of Eigen's templates are compiled
+# apart: g++ searches the aliases of `double` one by one, so that its time grows with the square of their
+# number in a unit. Names in anonymous namespaces must therefore differ within a
 # layer. -Wsubobject-linkage takes every included source for a header; it stays on without unity builds.
 function(lefort_unity target batch)
   if(LEFORT_UNITY)
@@ -31,7 +33,7 @@ function(lefort_unity target batch)
   endif()
 endfunction()
 
-set(LEFORT_COLD_LAYERS pipeline server app verify)
+set(LEFORT_COLD_LAYERS plan compare solve io verify pipeline server app)
 
 # lefort_layer(name files...): lefort_<name>, alias lefort::<name>. A layer of headers alone is an
 # INTERFACE library.
@@ -40,8 +42,8 @@ function(lefort_layer name)
     add_library(lefort_${name} STATIC ${ARGN})
     set(scope PUBLIC)
     target_link_libraries(lefort_${name} PUBLIC lefort_options)
-    lefort_unity(lefort_${name} 24)
-    # Commands, HTTP and reports of results: -O2 and -O3 cost a quarter more to compile and gain nothing.
+    lefort_unity(lefort_${name} 64)
+    # Commands, HTTP, files and what prepares a solve: -O2 and -O3 cost a quarter more to compile and gain nothing.
     if(name IN_LIST LEFORT_COLD_LAYERS AND CMAKE_BUILD_TYPE STREQUAL Release)
       target_compile_options(lefort_${name} PRIVATE -O1)
     endif()

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Fails when an #include breaks src/lefort/LAYERS, names a library its layer may not use or the world
-outside, when headers include each other in a cycle, when a line, function or file is too long, when \\cite
+outside, when headers or TypeScript modules include each other in a cycle, when a line, function or file is too long, when \\cite
 and docs/references.bib do not match, or when a word is used that docs/glossary.md replaces. Run from the
 repository root; it is the ctest `sources`.
 """
 import csv
+import os
 import re
 import subprocess
 import sys
@@ -14,11 +15,15 @@ from pathlib import Path
 ROOT = Path("src/lefort")
 RATIOS = Path("data/soft_tissue_ratios.csv")  # Its source_key cites, too.
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+IMPORT = re.compile(r"""^\s*(?:import|export)\b[^;"']*?["'](\.[^"']+)["']""", re.MULTILINE)
 MAX_LINE = 100
 MAX_FUNCTION = 60  # Lines; exceptions with reasons: script/long_functions.tsv.
 MAX_FILE = 500
 NO_FUNCTION = ("namespace", "class", "struct", "enum", "union", "if", "for", "while", "switch", "else", "do", "} ",
                "return", "try", "extern", "#", "/", "TEST")
+NO_TS_FUNCTION = re.compile(r"\s*(\}|(if|for|while|switch|else|return|try|do|(export )?(abstract )?(class|interface|type|enum))\b)")
+TS_FUNCTION = re.compile(r"\bfunction\b|=> \{$|^\s*((private|public|protected|static|async|get|set|override) )*"
+                         r"[\w#]+(<.*>)?\(.*\{$|^\s*\).*\{$")
 TEXT = {".h", ".cpp", ".ts", ".mjs", ".md", ".json", ".css", ".html"}
 # Where old words are the subject: the glossary, the table of deprecated keys and its tests.
 MAY_NAME_OLD_WORDS = {"docs/glossary.md", "docs/reference/renamed-keys.md",
@@ -171,6 +176,17 @@ def function_lengths(text: str) -> Iterator[tuple[str, int, int]]:
         yield head, first + 1, end - first + 1
 
 
+def typescript_function_lengths(text: str) -> Iterator[tuple[str, int, int]]:
+    """As function_lengths(), of TypeScript formatted by Prettier; bodies of arrow functions count, too."""
+    lines = text.split("\n")
+    for first, line in enumerate(lines):
+        if not line.endswith("{") or NO_TS_FUNCTION.match(line) or not TS_FUNCTION.search(line):
+            continue
+        indent = len(line) - len(line.lstrip())
+        end = next((n for n in range(first + 1, len(lines)) if lines[n].startswith(" " * indent + "}")), len(lines) - 1)
+        yield line.strip(), first + 1, end - first + 1
+
+
 def oversized(exceptions: Path) -> list[str]:
     """Functions over MAX_FUNCTION lines and files over MAX_FILE, less those listed with a reason."""
     allowed = {(row[0], row[1]) for row in read_table(exceptions)}
@@ -182,6 +198,8 @@ def oversized(exceptions: Path) -> list[str]:
         if text.count("\n") > MAX_FILE:
             found.append(f"{path}: longer than {MAX_FILE} lines")
         if path.suffix == ".ts":
+            found += [f"{path}:{line}: {head} has {length} lines, must have at most {MAX_FUNCTION}"
+                      for head, line, length in typescript_function_lengths(text) if length > MAX_FUNCTION]
             continue
         for head, line, length in function_lengths(text):
             if length <= MAX_FUNCTION:
@@ -199,20 +217,35 @@ def include_cycles(root: Path) -> list[str]:
     for path in sorted(root.rglob("*.h")):
         targets = (INCLUDE.match(line) for line in path.read_text(encoding="utf-8").splitlines())
         includes[f"lefort/{path.relative_to(root)}"] = [t.group(1) for t in targets if t]
+    return ["include cycle: " + " -> ".join(cycle) for cycle in cycles(includes)]
+
+
+def import_cycles(root: Path) -> list[str]:
+    """Cycles among the TypeScript modules of the page. Imports of types alone vanish, but count: they couple, too."""
+    imports = {}
+    for path in sorted(root.rglob("*.ts")):
+        targets = IMPORT.findall(path.read_text(encoding="utf-8"))
+        bare = [os.path.normpath(path.parent / re.sub(r"\.[jt]s$", "", target)) for target in targets]
+        imports[str(path)] = [f"{name}/index.ts" if Path(name).is_dir() else f"{name}.ts" for name in bare]
+    return ["import cycle: " + " -> ".join(cycle) for cycle in cycles(imports)]
+
+
+def cycles(targets_of: dict[str, list[str]]) -> list[list[str]]:
+    """Depth-first search; names that are not keys are ignored."""
     state: dict[str, int] = {}
-    found: list[str] = []
+    found: list[list[str]] = []
 
     def visit(name: str, trail: list[str]) -> None:
         if state.get(name) == 1:
-            found.append("include cycle: " + " -> ".join(trail[trail.index(name):] + [name]))
-        if name in state or name not in includes:
+            found.append(trail[trail.index(name):] + [name])
+        if name in state or name not in targets_of:
             return
         state[name] = 1
-        for target in includes[name]:
+        for target in targets_of[name]:
             visit(target, trail + [name])
         state[name] = 2
 
-    for name in includes:
+    for name in targets_of:
         visit(name, [])
     return found
 
@@ -220,6 +253,7 @@ def include_cycles(root: Path) -> list[str]:
 if __name__ == "__main__":
     problems = violations(ROOT, read_layers((ROOT / "LAYERS").read_text(encoding="utf-8")))
     problems += include_cycles(ROOT)
+    problems += import_cycles(Path("web/src"))
     problems += citation_mismatches(ROOT, Path("docs/references.bib"), RATIOS)
     problems += undocumented_ratios(RATIOS, Path("docs/reference/soft-tissue-ratios.md"))
     problems += oversized(Path("script/long_functions.tsv"))

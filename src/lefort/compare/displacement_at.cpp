@@ -1,6 +1,5 @@
 #include <lefort/compare/displacement_at.h>
-
-#include <Eigen/LU>
+#include <lefort/core/decompositions.h>
 
 namespace lefort::compare {
 
@@ -10,7 +9,7 @@ Vec3 displacement_at(const geometry::TriangleMesh& surface_L, Index triangle, co
   Eigen::Matrix<double, 3, 2> edges;
   edges << surface_L.corner(triangle, 1) - a_L, surface_L.corner(triangle, 2) - a_L;
   const Eigen::Vector2d along =
-      (edges.transpose() * edges).fullPivLu().solve(edges.transpose() * (p_L - a_L));
+      solve_by_full_lu(edges.transpose() * edges, edges.transpose() * (p_L - a_L));
   const Vec3 weights(1.0 - along.sum(), along[0], along[1]);
   Vec3 sum_mm = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k) {

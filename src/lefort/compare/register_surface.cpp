@@ -1,9 +1,9 @@
 #include <lefort/compare/register_surface.h>
 #include <lefort/compare/surface_difference.h>
+#include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/rigid_motion.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -151,12 +151,12 @@ Result<IcpResult> iterate(const std::vector<Sample>& samples, const Bvh& onto,
     const Sums sums = sum_up(pairs, width_mm, radius_mm);
     now.registration.rms_mm = std::sqrt(sums.squared / sums.weight);
     now.registration.inlier_fraction = sums.weight / double(pairs.size());
-    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sums.matrix / sums.weight);
-    now.registration.stability = eigen.eigenvalues()[0];
+    const SymmetricEigen<6> eigen = symmetric_eigen(Mat6(sums.matrix / sums.weight));
+    now.registration.stability = eigen.values[0];
     if (!(now.registration.stability > kMinStability)) break;
     const Vec6 step =
-        -eigen.eigenvectors() * (eigen.eigenvectors().transpose() * (sums.vector / sums.weight))
-                                    .cwiseQuotient(eigen.eigenvalues());
+        -eigen.vectors *
+        (eigen.vectors.transpose() * (sums.vector / sums.weight)).cwiseQuotient(eigen.values);
     X = geometry::rigid_motion(step.tail<3>(), step.head<3>() / radius_mm, center) * X;
     now.has_converged = step.norm() < kConverged_mm;
   }
@@ -182,7 +182,7 @@ Mat3 principal_axes(const TriangleMesh& mesh, const Vec3& center) {
     const Vec3 arm = mesh.vertices[v] - center;
     spread += areas_mm2[v] * arm * arm.transpose();
   }
-  Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
+  Mat3 axes = symmetric_eigen(spread).vectors;
   if (axes.determinant() < 0.0) axes.col(0) = -axes.col(0);
   return axes;
 }

@@ -1,6 +1,5 @@
 #include <lefort/contact/penalty.h>
-
-#include <Eigen/Eigenvalues>
+#include <lefort/core/decompositions.h>
 
 namespace lefort::contact {
 
@@ -8,9 +7,9 @@ Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& he
                            const PenaltyParameters& penalty) {
   const double p = pressure_mpa(depth_mm, penalty);
   if (!(p > 0.0)) return Mat3::Zero();
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(Mat3(-p * hessian));
-  const Vec3 projected = eigen.eigenvalues().cwiseMax(0.0);
-  const Mat3& axes = eigen.eigenvectors();
+  const SymmetricEigen<3> eigen = symmetric_eigen(Mat3(-p * hessian));
+  const Vec3 projected = eigen.values.cwiseMax(0.0);
+  const Mat3& axes = eigen.vectors;
   return 2.0 * penalty.stiffness_mpa_per_mm * gradient * gradient.transpose() +
          axes * projected.asDiagonal() * axes.transpose();
 }

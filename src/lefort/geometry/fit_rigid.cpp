@@ -1,6 +1,6 @@
+#include <lefort/core/decompositions.h>
 #include <lefort/geometry/fit_rigid.h>
 
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,9 +24,10 @@ Eigen::MatrixX3d centered(std::span<const Vec3> points, const Vec3& center) {
   return rows;
 }
 
+/// The squares of the singular values of `rows` are the eigenvalues of rows^T rows.
 bool is_collinear(const Eigen::MatrixX3d& rows) {
-  const Vec3 spread = Eigen::JacobiSVD<Eigen::MatrixX3d>(rows).singularValues();
-  return !(spread[1] > kMinSpreadRatio * spread[0]);
+  const Vec3 squares = symmetric_eigen(Mat3(rows.transpose() * rows)).values;
+  return !(squares[1] > kMinSpreadRatio * kMinSpreadRatio * squares[2]);
 }
 
 }  // namespace
@@ -50,11 +51,11 @@ Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to)
     return bad("the targets are collinear, so the rotation is not determined");
 
   const Mat3 covariance = rows_to.transpose() * rows_from;
-  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto [U, values, V] = singular_value_decomposition(covariance);
   Vec3 sign = Vec3::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;
+  if (U.determinant() * V.determinant() < 0.0) sign.z() = -1.0;
   RigidFit fit;
-  fit.X_to_from.linear() = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  fit.X_to_from.linear() = U * sign.asDiagonal() * V.transpose();
   fit.X_to_from.translation() = center_to - fit.X_to_from.linear() * center_from;
   double sum = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) {

@@ -4,7 +4,7 @@
 #include <lefort/linear/multigrid.h>
 #include <lefort/linear/sparse_cholesky.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,10 @@
 #include <lefort/core/check.h>
+#include <lefort/core/decompositions.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/elements/gradient_products.h>
 #include <lefort/solve/find_sets.h>
 #include <lefort/solve/locate_probe.h>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,8 +47,8 @@ std::optional<Vec3> reference_coordinates(const Eigen::Matrix<double, 3, Element
   Vec3 xi = Element::nodes().rowwise().mean();
   double last_step = std::numeric_limits<double>::infinity();
   for (int n = 0; n < kIterations; ++n) {
-    const Mat3 dX_dxi = X * Element::gradients(xi).transpose();
-    const Vec3 step = dX_dxi.partialPivLu().solve(p - X * Element::functions(xi));
+    const Mat3 dX_dxi = fem::sum_of_dyads<Element::kNodes>(X.data(), Element::gradients(xi).data());
+    const Vec3 step = solve_by_lu(dX_dxi, p - X * Element::functions(xi));
     if (!step.allFinite()) return std::nullopt;
     xi += step;
     if (xi.norm() > kDiverged) return std::nullopt;

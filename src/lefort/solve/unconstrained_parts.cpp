@@ -1,6 +1,6 @@
+#include <lefort/core/decompositions.h>
 #include <lefort/solve/unconstrained_parts.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -122,11 +122,11 @@ std::vector<UnconstrainedPart> find_unconstrained_parts(
 
   std::vector<UnconstrainedPart> unconstrained;
   for (Part& part : parts) {
-    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(part.constrained);
-    const double minimum = kRoundOff * std::max(eigen.eigenvalues()[5], 1.0);
-    part.reported.free_motions = int((eigen.eigenvalues().array() <= minimum).count());
+    const SymmetricEigen<6> eigen = symmetric_eigen(part.constrained);
+    const double minimum = kRoundOff * std::max(eigen.values[5], 1.0);
+    part.reported.free_motions = int((eigen.values.array() <= minimum).count());
     if (part.reported.free_motions == 0) continue;
-    part.reported.motion = describe(Vec6(eigen.eigenvectors().col(0)));
+    part.reported.motion = describe(Vec6(eigen.vectors.col(0)));
     unconstrained.push_back(std::move(part.reported));
   }
   return unconstrained;

@@ -1,5 +1,6 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/fine_quadrature.h>
+#include <lefort/fem/elements/gradient_products.h>
 #include <lefort/verify/error_norms.h>
 
 #include <cmath>
@@ -20,9 +21,10 @@ void for_each_point(const mesh::VolumeMesh& mesh, const Visit& visit) {
             Eigen::Matrix<double, 3, Shape::kNodes> X;
             for (int a = 0; a < Shape::kNodes; ++a) X.col(a) = mesh.nodes_L[std::size_t(nodes[a])];
             for (const auto& point : points) {
-              const Mat3 dX_dxi = X * point.dN_dxi.transpose();
-              const Eigen::Matrix<double, 3, Shape::kNodes> dN_dX =
-                  dX_dxi.inverse().transpose() * point.dN_dxi;
+              const Mat3 dX_dxi = fem::sum_of_dyads<Shape::kNodes>(X.data(), point.dN_dxi.data());
+              Eigen::Matrix<double, 3, Shape::kNodes> dN_dX;
+              fem::multiply_columns_transposed(dX_dxi.inverse(), point.dN_dxi.data(), Shape::kNodes,
+                                               dN_dX.data());
               const Vec3 at = X * point.N;
               visit(nodes, point.N, at, dN_dX, dX_dxi.determinant() * point.weight);
             }

@@ -30,31 +30,6 @@ struct ElementData {
   }
 };
 
-/// K_ab += dN_a/dX . A . dN_b/dX dV, contracted over the second index of P and of F (\cite
-/// bonet2008, section 9.4).
-/// \param A      dP/dF.
-/// \param dV     volume of the point [mm^3].
-/// \param point  its gradients.
-/// \param local  receives the stiffness.
-template <class Element>
-void add_stiffness(const Mat9& A, double dV, const ReferencePoint<Element>& point,
-                   LocalEquations& local) {
-  constexpr int kSize = 3 * Element::kNodes;
-  Eigen::Map<Eigen::Matrix<double, kSize, kSize>> K(local.stiffness_n_per_mm.data());
-  for (int b = 0; b < Element::kNodes; ++b) {
-    const Vec3 g_b = dV * point.dN_dX.col(b);
-    const Eigen::Matrix<double, 9, 3> dP =
-        g_b[0] * A.leftCols<3>() + g_b[1] * A.middleCols<3>(3) + g_b[2] * A.rightCols<3>();
-    for (int a = b; a < Element::kNodes; ++a) {
-      const Vec3 g_a = point.dN_dX.col(a);
-      const Mat3 K_ab =
-          g_a[0] * dP.topRows<3>() + g_a[1] * dP.middleRows<3>(3) + g_a[2] * dP.bottomRows<3>();
-      K.template block<3, 3>(3 * a, 3 * b) += K_ab;
-      if (a != b) K.template block<3, 3>(3 * b, 3 * a) += K_ab.transpose();
-    }
-  }
-}
-
 /// Adds the energy fraction * (sum over points of Psi(F) dV), its forces and stiffness.
 /// \param material  the law.
 /// \param part      Psi: the whole law or its isochoric part.
@@ -74,8 +49,12 @@ bool add_strain_energy(const Material& material, LawPart part, double fraction,
     const Mat3 P = stress(material, part, F);
     const double dV = fraction * point.volume_mm3;
     local.energy_mj += dV * energy(material, part, F);
-    residual.noalias() += dV * P * point.dN_dX;
-    if (local.wants_stiffness()) add_stiffness(tangent(material, part, F), dV, point, local);
+    ElementNodes<Element> forces;
+    multiply_columns(dV * P, point.dN_dX.data(), Element::kNodes, forces.data());
+    residual += forces;
+    if (local.wants_stiffness())
+      add_point_stiffness(tangent(material, part, F), dV, point.dN_dX.data(), Element::kNodes,
+                          local.stiffness_n_per_mm.data());
   }
   return true;
 }

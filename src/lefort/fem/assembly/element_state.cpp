@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/assembly/element_state.h>
 #include <lefort/fem/elements/all_elements.h>
@@ -9,8 +10,6 @@
 #include <lefort/fem/locking/smoothed_strain_term.h>
 #include <lefort/fem/locking/smoothing_domains.h>
 #include <lefort/fem/materials/material_response.h>
-
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <limits>
@@ -141,7 +140,7 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
     if (!(J > 0.0)) return {J, Mat3::Constant(kNan), Vec3::Constant(kNan), kNan};
     state.min_volume_ratio = std::min(state.min_volume_ratio, J);
     // The singular values of F = R U are the eigenvalues of U, sorted (\cite bonet2008, 4.6.3).
-    state.stretches += point.volume_mm3 * Eigen::JacobiSVD<Mat3>(F).singularValues();
+    state.stretches += point.volume_mm3 * singular_values(F);
     change[Index(q)] = jacobian_minus_one(F);
     state.cauchy_mpa += point.volume_mm3 * cauchy_stress(stress(material, part, F), F);
     state.energy_density_mpa += point.volume_mm3 * energy(material, part, F);

@@ -1,7 +1,6 @@
 #include <lefort/core/check.h>
+#include <lefort/core/decompositions.h>
 #include <lefort/fem/elements/fine_quadrature.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <array>
 #include <cmath>
@@ -21,19 +20,20 @@ using Rule1 = std::array<Point1, kCount>;
 /// Jacobi matrix of the orthogonal polynomials (\cite golub1969). On [-1, 1], with the weight (1 -
 /// x)^a, they have the recurrence coefficients below.
 Rule1 gauss_jacobi(double alpha) {
-  Eigen::Matrix<double, kCount, kCount> jacobi = Eigen::Matrix<double, kCount, kCount>::Zero();
+  Eigen::Vector4d diagonal;
+  Vec3 subdiagonal;
   for (int n = 0; n < kCount; ++n) {
     const double s = 2.0 * n + alpha;
-    jacobi(n, n) = n == 0 ? -alpha / (alpha + 2.0) : -alpha * alpha / (s * (s + 2.0));
+    diagonal[n] = n == 0 ? -alpha / (alpha + 2.0) : -alpha * alpha / (s * (s + 2.0));
     if (n == 0) continue;
     const double m = n * (n + alpha);
-    jacobi(n, n - 1) = jacobi(n - 1, n) = 2.0 * m / (s * std::sqrt((s + 1.0) * (s - 1.0)));
+    subdiagonal[n - 1] = 2.0 * m / (s * std::sqrt((s + 1.0) * (s - 1.0)));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kCount, kCount>> solver(jacobi);
+  const SymmetricEigen<kCount> eigen = tridiagonal_eigen(diagonal, subdiagonal);
   Rule1 rule;
   for (int q = 0; q < kCount; ++q) {
-    const double first = solver.eigenvectors()(0, q);
-    rule[std::size_t(q)] = {0.5 * (1.0 + solver.eigenvalues()[q]), first * first / (alpha + 1.0)};
+    const double first = eigen.vectors(0, q);
+    rule[std::size_t(q)] = {0.5 * (1.0 + eigen.values[q]), first * first / (alpha + 1.0)};
   }
   return rule;
 }

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/elements/gradient_products.h>
 #include <lefort/fem/elements/quadrature_point.h>
 
 #include <tl/expected.hpp>
 
-#include <algorithm>
 #include <array>
 
 namespace lefort::fem {
@@ -30,7 +30,7 @@ using ElementNodes = Eigen::Matrix<double, 3, Element::kNodes>;
 /// F = sum over nodes of x_a (x) dN_a/dX (\cite bonet2008, section 9.2).
 template <class Element, class Positions>
 [[nodiscard]] Mat3 deformation_gradient(const Positions& x, const ReferencePoint<Element>& point) {
-  return x * point.dN_dX.transpose();
+  return sum_of_dyads<Element::kNodes>(x.data(), point.dN_dX.data());
 }
 
 /// Position of a reference Jacobian that is not positive: the element is invalid.
@@ -38,50 +38,17 @@ struct ElementFault {
   int node = -1;  ///< Local node; -1 for a quadrature point.
 };
 
-namespace internal {
-
-/// \returns the gradients at the nodes of the reference element.
-template <class Element>
-std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients_at_nodes() {
-  std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients;
-  for (int a = 0; a < Element::kNodes; ++a)
-    gradients[std::size_t(a)] = Element::gradients(Element::nodes().col(a));
-  return gradients;
-}
-
-}  // namespace internal
-
 /// The Jacobian must be positive beyond round-off at the quadrature points and at the nodes, where
 /// a bad element folds first. (It may still be negative elsewhere in a curved element; to exclude
 /// that, bounds of the whole polynomial would be needed.) At the apex of a pyramid it is not
 /// unique; its values along the edges are those at the corners of the base.
 ///
+/// Instances: the shapes of all_elements.h, and Wedge6OnFaces.
+///
 /// \param X  reference positions of the nodes [mm].
 /// \returns gradients and volumes at the quadrature points, or the first invalid position.
 template <class Element>
 [[nodiscard]] tl::expected<ReferenceElement<Element>, ElementFault> reference_element(
-    const ElementNodes<Element>& X) {
-  constexpr double kMinVolume = 1e-12;  // Relative to the cube of the longest edge; round-off.
-  double longest = 0.0;
-  for (int a = 1; a < Element::kNodes; ++a)
-    longest = std::max(longest, (X.col(a) - X.col(0)).norm());
-  const double minimum = kMinVolume * longest * longest * longest;
-
-  static const auto kQuadrature = Element::quadrature();
-  static const auto kAtNodes = internal::gradients_at_nodes<Element>();
-  ReferenceElement<Element> points;
-  for (std::size_t q = 0; q < points.size(); ++q) {
-    const Mat3 dX_dxi = X * kQuadrature[q].dN_dxi.transpose();
-    const double jacobian = dX_dxi.determinant();
-    if (!(jacobian > minimum)) return tl::unexpected(ElementFault{});
-    points[q].dN_dX = dX_dxi.inverse().transpose() * kQuadrature[q].dN_dxi;
-    points[q].volume_mm3 = jacobian * kQuadrature[q].weight;
-  }
-  for (int a = 0; a < Element::kNodes; ++a) {
-    const Mat3 dX_dxi = X * kAtNodes[std::size_t(a)].transpose();
-    if (!(dX_dxi.determinant() > minimum)) return tl::unexpected(ElementFault{a});
-  }
-  return points;
-}
+    const ElementNodes<Element>& X);
 
 }  // namespace lefort::fem

@@ -9,10 +9,7 @@
 #include <lefort/fem/materials/material_response.h>
 #include <lefort/fem/materials/volumetric.h>
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace lefort::fem {
@@ -34,30 +31,12 @@ inline constexpr int kDilatationModes<Pyramid5> = 0;
 template <class Element>
 using DilatationModes = Eigen::Matrix<double, Element::kPoints, kDilatationModes<Element>>;
 
+/// Instances of both functions below: the shapes with modes.
 /// \param X       reference positions of the nodes [mm].
 /// \param points  reference_element(X).
 template <class Element>
 [[nodiscard]] DilatationModes<Element> dilatation_modes(const ElementNodes<Element>& X,
-                                                        const ReferenceElement<Element>& points) {
-  Eigen::Matrix<double, Element::kPoints, 1> volume;
-  Eigen::Matrix<double, 3, Element::kPoints> at;
-  const auto quadrature = Element::quadrature();
-  for (int q = 0; q < Element::kPoints; ++q) {
-    volume[q] = points[std::size_t(q)].volume_mm3;
-    at.col(q) = X * quadrature[std::size_t(q)].N;
-  }
-  constexpr int kModes = kDilatationModes<Element>;
-  const Vec3 center = at * volume / volume.sum();
-  const double size = std::cbrt(volume.sum());
-  DilatationModes<Element> raw;
-  raw.col(0).setOnes();
-  if constexpr (kModes > 1)
-    raw.template rightCols<kModes - 1>() = ((at.colwise() - center) / size).transpose();
-  // raw^T dV raw = L L^T, so that the columns of raw L^-T are orthonormal.
-  const Eigen::Matrix<double, kModes, kModes> gram = raw.transpose() * volume.asDiagonal() * raw;
-  const Eigen::Matrix<double, kModes, kModes> L = gram.llt().matrixL();
-  return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
-}
+                                                        const ReferenceElement<Element>& points);
 
 /// Bulk modulus of the part of U that stays at the points, as a multiple of the shear modulus.
 /// docs/studies/locking-remedies.md compares values.
@@ -142,33 +121,6 @@ template <class Element>
 [[nodiscard]] std::optional<VolumeResponse<Element>> volume_response(
     const VolumetricSplit& volume, const ReferenceElement<Element>& points,
     const DilatationModes<Element>& modes,
-    const Eigen::Matrix<double, Element::kPoints, 1>& change) {
-  using Theta = Eigen::Matrix<double, kDilatationModes<Element>, 1>;
-  Theta theta = Theta::Zero();
-  for (int q = 0; q < Element::kPoints; ++q)
-    theta += points[std::size_t(q)].volume_mm3 * change[q] * modes.row(q).transpose();
-  VolumeResponse<Element> response;
-  response.curvature.setZero();
-  Theta pressure = Theta::Zero();
-  for (int q = 0; q < Element::kPoints; ++q) {
-    const Theta psi = modes.row(q).transpose();
-    const double dV = points[std::size_t(q)].volume_mm3;
-    const double mean_change = psi.dot(theta);
-    if (!(mean_change > -1.0)) return std::nullopt;
-    response.energy_mj += dV * volume.of_mean.energy_minus_one(mean_change);
-    pressure += dV * volume.of_mean.dU_dJ(1.0 + mean_change) * psi;
-    response.curvature += dV * volume.of_mean.d2U_dJ2(1.0 + mean_change) * psi * psi.transpose();
-  }
-  response.pressure = modes * pressure;
-  response.curvature_at_points.setZero();
-  if constexpr (kHasPointwiseBulk<Element>)
-    for (int q = 0; q < Element::kPoints; ++q) {
-      response.energy_mj +=
-          points[std::size_t(q)].volume_mm3 * volume.at_points.energy_minus_one(change[q]);
-      response.pressure[q] += volume.at_points.dU_dJ(1.0 + change[q]);
-      response.curvature_at_points[q] = volume.at_points.d2U_dJ2(1.0 + change[q]);
-    }
-  return response;
-}
+    const Eigen::Matrix<double, Element::kPoints, 1>& change);
 
 }  // namespace lefort::fem

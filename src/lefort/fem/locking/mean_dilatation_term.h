@@ -60,6 +60,7 @@ class MeanDilatationTerm final : public ForceTerm {
                          const DilatationModes<Element>& modes,
                          const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
     constexpr int kSize = 3 * Element::kNodes;
+    constexpr int kModes = kDilatationModes<Element>;
     std::array<Mat3, Element::kPoints> F;
     Eigen::Matrix<double, Element::kPoints, 1> change;
     for (std::size_t q = 0; q < F.size(); ++q) {
@@ -72,30 +73,31 @@ class MeanDilatationTerm final : public ForceTerm {
 
     Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
     // Column i is dtheta_i/dx.
-    Eigen::Matrix<double, kSize, kDilatationModes<Element>> dtheta;
-    dtheta.setZero();
+    Eigen::Matrix<double, kSize, kModes> dtheta = Eigen::Matrix<double, kSize, kModes>::Zero();
+    double* K = local.stiffness_n_per_mm.data();
     for (std::size_t q = 0; q < F.size(); ++q) {
-      const double p_dV = points[q].volume_mm3 * response->pressure[Index(q)];
-      const ElementNodes<Element> dJ = cofactor(F[q]) * points[q].dN_dX;
-      residual += p_dV * dJ;
+      const double dV = points[q].volume_mm3;
+      const double* dN_dX = points[q].dN_dX.data();
+      ElementNodes<Element> dJ;
+      multiply_columns(cofactor(F[q]), dN_dX, Element::kNodes, dJ.data());
+      residual += dV * response->pressure[Index(q)] * dJ;
       if (!local.wants_stiffness()) continue;
       if (local.tangent == Tangent::kExact)
-        add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
-                      points[q], local);
-      dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
+        add_point_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), dV, dN_dX,
+                            Element::kNodes, K);
+      for (int i = 0; i < kModes; ++i) dtheta.col(i) += dV * dJ.reshaped() * modes(Index(q), i);
       if constexpr (kHasPointwiseBulk<Element>) {
-        const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
-        stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
+        const ElementNodes<Element> scaled = dV * response->curvature_at_points[Index(q)] * dJ;
+        add_low_rank_product(scaled.data(), dJ.data(), kSize, 1, K);
       }
     }
-    if (local.wants_stiffness())
-      stiffness_of(local).noalias() += (dtheta * response->curvature) * dtheta.transpose();
+    if (local.wants_stiffness()) {
+      Eigen::Matrix<double, kSize, kModes> scaled = Eigen::Matrix<double, kSize, kModes>::Zero();
+      for (int j = 0; j < kModes; ++j)
+        for (int i = 0; i < kModes; ++i) scaled.col(j) += dtheta.col(i) * response->curvature(i, j);
+      add_low_rank_product(scaled.data(), dtheta.data(), kSize, kModes, K);
+    }
     return true;
-  }
-
-  static auto stiffness_of(LocalEquations& local) {
-    constexpr int kSize = 3 * Element::kNodes;
-    return Eigen::Map<Eigen::Matrix<double, kSize, kSize>>(local.stiffness_n_per_mm.data());
   }
 
   ElementData<Element> data_;

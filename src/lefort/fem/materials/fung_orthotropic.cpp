@@ -1,8 +1,8 @@
+#include <lefort/core/decompositions.h>
 #include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/fung_orthotropic.h>
 #include <lefort/fem/materials/isochoric.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <array>
@@ -51,12 +51,12 @@ Result<void> FungOrthotropic::validate() const {
                             "must be finite and symmetric",
                             kName, lambda_mpa(0, 1), lambda_mpa(1, 0), lambda_mpa(1, 2),
                             lambda_mpa(2, 1), lambda_mpa(2, 0), lambda_mpa(0, 2)));
-  const Eigen::SelfAdjointEigenSolver<Mat3> normal(normal_stiffness(*this), Eigen::EigenvaluesOnly);
-  if (!(normal.eigenvalues().minCoeff() > 0.0))
+  const double lowest_mpa = symmetric_eigen(normal_stiffness(*this)).values[0];
+  if (!(lowest_mpa > 0.0))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: lambda plus 2 mu on its diagonal has the eigenvalue {} MPa, must "
                             "be positive definite",
-                            kName, normal.eigenvalues().minCoeff()));
+                            kName, lowest_mpa));
   for (int a = 0; a < 3; ++a)
     LEFORT_TRY_VOID(check_unit(kName, fmt::format("axis {}", a + 1), axes.col(a)));
   const double skew = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff();

@@ -1,8 +1,8 @@
 #include <lefort/core/check.h>
+#include <lefort/core/decompositions.h>
 #include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/ogden.h>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -36,9 +36,9 @@ struct PrincipalStretches {
     const Mat3 H = F - Mat3::Identity();
     const Mat3 twice_E = H + H.transpose() + H.transpose() * H;
     // The iterative solver: its directions are orthonormal at nearly equal stretches, too.
-    const Eigen::SelfAdjointEigenSolver<Mat3> principal(twice_E);
-    log_stretch = 0.5 * principal.eigenvalues().array().log1p();
-    at_rest = principal.eigenvectors();
+    const SymmetricEigen<3> principal = symmetric_eigen(twice_E);
+    log_stretch = 0.5 * principal.values.array().log1p();
+    at_rest = principal.vectors;
     deformed = F * at_rest * (-log_stretch.array()).exp().matrix().asDiagonal();
   }
 

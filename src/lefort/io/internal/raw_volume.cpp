@@ -52,7 +52,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-const Ending& ending_of(const fs::path& file) {
+const Ending& volume_ending(const fs::path& file) {
   const std::string name = lower_case(file.filename().string());
   return *std::find_if(kEndings.begin(), kEndings.end(),
                        [&](const Ending& ending) { return name.ends_with(ending.text); });
@@ -195,7 +195,7 @@ Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const 
 
 }  // namespace
 
-VolumeFormat volume_format(const fs::path& file) { return ending_of(file).format; }
+VolumeFormat volume_format(const fs::path& file) { return volume_ending(file).format; }
 
 const char* name_of(VolumeFormat format) {
   switch (format) {
@@ -212,7 +212,7 @@ const char* name_of(VolumeFormat format) {
 }
 
 Result<RawVolume> read_raw_volume(const fs::path& file) {
-  const Ending& ending = ending_of(file);
+  const Ending& ending = volume_ending(file);
   if (ending.format == VolumeFormat::kNone)
     return fail(ErrorCode::kFileUnsupported,
                 "the file must end in .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd");
@@ -260,7 +260,7 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
 }
 
 Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volume) {
-  const Ending& ending = ending_of(target);
+  const Ending& ending = volume_ending(target);
   if (!ending.one_file)
     return fail(
         ErrorCode::kInvalidArgument,

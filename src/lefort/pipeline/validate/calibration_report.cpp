@@ -31,7 +31,7 @@ Json cohort_value_json(const CohortValue& value) {
 std::vector<std::string> values_in_words(const FittedValues& fitted) {
   std::vector<std::string> words;
   for (std::size_t p = 0; p < fitted.values.size(); ++p)
-    words.push_back(in_words({fitted.values[p], fitted.intervals[p]}, 2));
+    words.push_back(in_words(CohortValue{fitted.values[p], fitted.intervals[p]}, 2));
   return words;
 }
 

@@ -1,0 +1,47 @@
+/// \file
+/// Decompositions of small matrices, compiled once.
+///
+/// Eigen compiles a decomposition again in each unit that uses it, for one to three seconds each.
+/// Methods: \cite golub2013, chapters 3 (LU) and 8 (symmetric eigenvalues, singular values).
+#pragma once
+
+#include <lefort/core/types.h>
+
+namespace lefort {
+
+/// A = vectors diag(values) vectors^T.
+template <int kSize>
+struct SymmetricEigen {
+  Eigen::Matrix<double, kSize, 1> values;       ///< Ascending.
+  Eigen::Matrix<double, kSize, kSize> vectors;  ///< Columns: orthonormal, in the order of `values`.
+};
+
+/// \param A  symmetric; the lower triangle is read.
+[[nodiscard]] SymmetricEigen<3> symmetric_eigen(const Mat3& A);
+[[nodiscard]] SymmetricEigen<6> symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
+
+/// \param diagonal     of a symmetric tridiagonal matrix.
+/// \param subdiagonal  below it.
+[[nodiscard]] SymmetricEigen<4> tridiagonal_eigen(const Eigen::Vector4d& diagonal,
+                                                  const Vec3& subdiagonal);
+
+/// A = U diag(values) V^T.
+struct SingularValues {
+  Mat3 U;
+  Vec3 values;  ///< Descending, >= 0.
+  Mat3 V;
+};
+
+[[nodiscard]] SingularValues singular_value_decomposition(const Mat3& A);
+
+/// \returns the singular values of A, descending.
+[[nodiscard]] Vec3 singular_values(const Mat3& A);
+
+/// \returns x with A x = b, by LU with row pivoting; not finite if A is singular.
+[[nodiscard]] Vec3 solve_by_lu(const Mat3& A, const Vec3& b);
+
+/// \returns x with A x = b, by LU with full pivoting. If A is singular, the null space of A gets no
+///   part of x.
+[[nodiscard]] Eigen::Vector2d solve_by_full_lu(const Eigen::Matrix2d& A, const Eigen::Vector2d& b);
+
+}  // namespace lefort
