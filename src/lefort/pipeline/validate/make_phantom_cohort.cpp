@@ -63,7 +63,7 @@ geometry::TriangleMesh measured_skin(const SolvedSkin& skin, double noise_mm, st
   const geometry::TriangleMesh exact_L = after_L;
   for (Index v = 0; v < after_L.vertex_count(); ++v)
     after_L.vertices[std::size_t(v)] += noise_mm *
-                                        normal_number(seed ^ (std::uint64_t(v + 1) << 24)) *
+                                        random_field(exact_L.vertices[std::size_t(v)], seed) *
                                         normals.at_vertex(exact_L, v).normalized();
   return after_L;
 }

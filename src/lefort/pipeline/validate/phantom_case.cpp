@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -63,13 +64,40 @@ Json midface_segment(UniformNumbers& numbers, const Vec3& scale) {
       {"path", path_of(translation_mm, 0.0, stretched(above, scale))}};
 }
 
-}  // namespace
-
+/// A number with the standard normal distribution, from 2 pseudorandom words of the key.
 double normal_number(std::uint64_t key) {
   UniformNumbers numbers(key);
   // Box and Muller 1958; the first number is not zero.
   const double radius = std::sqrt(-2.0 * std::log(1.0 - numbers.draw(0.0, 1.0)));
   return radius * std::cos(2.0 * std::numbers::pi * numbers.draw(0.0, 1.0));
+}
+
+/// Of a point of the lattice.
+double lattice_number(const Eigen::Vector3i& at, std::uint64_t seed) {
+  constexpr std::array<std::uint64_t, 3> kStride{0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F,
+                                                 0x165667B19E3779F9};  // Odd: no two keys agree.
+  std::uint64_t key = seed;
+  for (Index axis = 0; axis < 3; ++axis)
+    key = (key ^ std::uint64_t(std::int64_t(at[axis]))) * kStride[std::size_t(axis)] + 1;
+  return normal_number(key);
+}
+
+}  // namespace
+
+double random_field(const Vec3& point_mm, std::uint64_t seed) {
+  const Vec3 cells = point_mm / kSkinNoiseLength_mm;
+  const Vec3 low = cells.array().floor().matrix();
+  const Vec3 part = cells - low;
+  double sum = 0.0, variance = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3i offset(corner & 1, (corner >> 1) & 1, corner >> 2);
+    double weight = 1.0;
+    for (Index axis = 0; axis < 3; ++axis)
+      weight *= offset[axis] == 1 ? part[axis] : 1.0 - part[axis];
+    sum += weight * lattice_number(low.cast<int>() + offset, seed);
+    variance += weight * weight;
+  }
+  return sum / std::sqrt(variance);
 }
 
 PhantomTruth draw_truth(std::uint64_t seed) {

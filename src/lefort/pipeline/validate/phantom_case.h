@@ -48,7 +48,18 @@ inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
 [[nodiscard]] anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job,
                                                 const PhantomCase& one);
 
-/// A number with the standard normal distribution, from 2 pseudorandom words of the key.
-[[nodiscard]] double normal_number(std::uint64_t key);
+/// Distance over which the error of a measured skin changes. Errors of neighboring vertices are
+/// equal in part: they come from voxels and from the filter of the segmentation.
+inline constexpr double kSkinNoiseLength_mm = 10.0;
+
+/// A continuous random field: at each place a number with the standard normal distribution,
+/// independent of numbers more than two kSkinNoiseLength_mm away along an axis. It is a trilinear
+/// interpolation of independent numbers on a lattice, divided by its standard deviation. Noise that
+/// is independent at each vertex would be largest at the vertices: a fit to the closest points of
+/// such a surface moves off the vertices and is biased.
+///
+/// \param point_mm  finite.
+/// \param seed      of the field.
+[[nodiscard]] double random_field(const Vec3& point_mm, std::uint64_t seed);
 
 }  // namespace lefort::pipeline
