@@ -19,6 +19,9 @@ class BvhDistanceQuery final : public DistanceQuery {
   /// Nothing is missed. This is the resolution of a field with the same band and default options.
   [[nodiscard]] double resolution_mm() const override { return max_distance_mm_ / 5.0; }
   [[nodiscard]] bool is_closed() const override { return is_closed_; }
+  [[nodiscard]] const geometry::TriangleMesh* surface_B() const override {
+    return &surface_B_->mesh();
+  }
   [[nodiscard]] bool has_exact_derivatives() const override { return false; }
 
   void measure(std::span<const Vec3> p_B, Derivatives /*no second ones*/,

@@ -19,11 +19,19 @@ namespace lefort::contact {
 enum class Integration : std::uint8_t {
   kQuadrature,  ///< At quadrature points inside the faces.
   kNodes,       ///< At the nodes, each with its lumped area; for comparison.
+  kWeighted,    ///< By weighted gaps of the nodes, without memory (mortar_contact_term.h).
 };
 
 /// Name in plans and results.
 [[nodiscard]] constexpr std::string_view name_of(Integration integration) {
-  return integration == Integration::kNodes ? "nodes" : "quadrature";
+  switch (integration) {
+    case Integration::kNodes:
+      return "nodes";
+    case Integration::kWeighted:
+      return "weighted";
+    default:
+      return "quadrature";
+  }
 }
 
 /// A face, or a node with its part of the faces around it.

@@ -16,6 +16,7 @@
 #include <lefort/field/distance_field.h>
 #include <lefort/field/zone.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/geometry/triangle_mesh.h>
 
 #include <cstdint>
 #include <memory>
@@ -83,6 +84,9 @@ class DistanceQuery {
   ///   gradient_B, wherever they exist. If not, a force along the gradient has no potential.
   [[nodiscard]] virtual bool has_exact_derivatives() const = 0;
 
+  /// \returns the triangles of the body, or null if they are not known.
+  [[nodiscard]] virtual const geometry::TriangleMesh* surface_B() const { return nullptr; }
+
   /// Measures many points, on the calling thread.
   ///
   /// \param p_B          points [mm]; a point that is not finite is kUnknown.
@@ -97,9 +101,11 @@ class DistanceQuery {
 ///
 /// \param field_B    \pre not null.
 /// \param detection  kSmooth or kTrilinear.
+/// \param surface_B  the triangles from which the field was built; may be null.
 /// \returns kInvalidArgument for kSmooth if the field was built without smooth interpolation.
 [[nodiscard]] Result<std::shared_ptr<const DistanceQuery>> field_distance_query(
-    std::shared_ptr<const field::DistanceField> field_B, DetectionMethod detection);
+    std::shared_ptr<const field::DistanceField> field_B, DetectionMethod detection,
+    std::shared_ptr<const geometry::TriangleMesh> surface_B = nullptr);
 
 /// Distance query by the closest point on the triangles. Sign and normal are those of the
 /// pseudonormal of the closest face, edge or vertex (\cite baerentzen2005). It equals the gradient

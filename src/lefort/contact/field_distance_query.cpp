@@ -65,17 +65,22 @@ class TrilinearHessians {
 
 class FieldDistanceQuery : public DistanceQuery {
  public:
-  explicit FieldDistanceQuery(std::shared_ptr<const DistanceField> field_B)
-      : field_B_(std::move(field_B)) {}
+  FieldDistanceQuery(std::shared_ptr<const DistanceField> field_B,
+                     std::shared_ptr<const geometry::TriangleMesh> surface_B)
+      : field_B_(std::move(field_B)), surface_B_(std::move(surface_B)) {}
   [[nodiscard]] double resolution_mm() const override { return field_B_->cell_mm(); }
   [[nodiscard]] bool is_closed() const override { return field_B_->frame().closed; }
   [[nodiscard]] bool has_exact_derivatives() const override { return true; }
+  [[nodiscard]] const geometry::TriangleMesh* surface_B() const override {
+    return surface_B_.get();
+  }
 
  protected:
   [[nodiscard]] const DistanceField& field_B() const { return *field_B_; }
 
  private:
   std::shared_ptr<const DistanceField> field_B_;
+  std::shared_ptr<const geometry::TriangleMesh> surface_B_;
 };
 
 class TrilinearDistanceQuery final : public FieldDistanceQuery {
@@ -128,16 +133,17 @@ class SmoothDistanceQuery final : public FieldDistanceQuery {
 }  // namespace
 
 Result<std::shared_ptr<const DistanceQuery>> field_distance_query(
-    std::shared_ptr<const DistanceField> field_B, DetectionMethod detection) {
+    std::shared_ptr<const DistanceField> field_B, DetectionMethod detection,
+    std::shared_ptr<const geometry::TriangleMesh> surface_B) {
   LEFORT_CHECK(field_B != nullptr && detection != DetectionMethod::kBvh);
   if (detection == DetectionMethod::kTrilinear)
-    return std::make_shared<TrilinearDistanceQuery>(std::move(field_B));
+    return std::make_shared<TrilinearDistanceQuery>(std::move(field_B), std::move(surface_B));
   if (!field_B->is_smooth())
     return fail(
         ErrorCode::kInvalidArgument,
         "the field was built without --smooth; rebuild it with --smooth, or choose detection "
         "trilinear");
-  return std::make_shared<SmoothDistanceQuery>(std::move(field_B));
+  return std::make_shared<SmoothDistanceQuery>(std::move(field_B), std::move(surface_B));
 }
 
 }  // namespace lefort::contact

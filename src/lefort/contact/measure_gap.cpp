@@ -54,4 +54,13 @@ Gap measure_gap(const RigidObstacle& obstacle, const Vec3& p_L, Derivatives deri
   return gap;
 }
 
+std::pair<Gap, std::size_t> closest_gap(std::span<const RigidObstacle> obstacles, const Vec3& p_L) {
+  std::pair<Gap, std::size_t> closest{measure_gap(obstacles[0], p_L, Derivatives::kFirst), 0};
+  for (std::size_t k = 1; k < obstacles.size(); ++k)
+    if (const Gap gap = measure_gap(obstacles[k], p_L, Derivatives::kFirst);
+        gap.gap_mm < closest.first.gap_mm)
+      closest = {gap, k};
+  return closest;
+}
+
 }  // namespace lefort::contact

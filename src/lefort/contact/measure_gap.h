@@ -5,7 +5,9 @@
 #include <lefort/contact/rigid_obstacle.h>
 #include <lefort/core/types.h>
 
+#include <cstddef>
 #include <span>
+#include <utility>
 
 namespace lefort::contact {
 
@@ -32,5 +34,10 @@ void measure_gaps(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Deri
 /// Measures one point [mm]; parameters as above.
 [[nodiscard]] Gap measure_gap(const RigidObstacle& obstacle, const Vec3& p_L,
                               Derivatives derivatives = Derivatives::kSecond);
+
+/// \param obstacles  bodies at their poses; at least one.
+/// \returns the gap of a point to the closest body, with first derivatives, and the body's number.
+[[nodiscard]] std::pair<Gap, std::size_t> closest_gap(std::span<const RigidObstacle> obstacles,
+                                                      const Vec3& p_L);
 
 }  // namespace lefort::contact

@@ -47,7 +47,9 @@ Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<L
 Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
     const MovedSegment& segment, contact::DetectionMethod detection) {
   if (detection != contact::DetectionMethod::kBvh)
-    return contact::field_distance_query(segment.field_B, detection);
+    return contact::field_distance_query(
+        segment.field_B, detection,
+        std::make_shared<const geometry::TriangleMesh>(segment.surface_B));
   return contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(segment.surface_B),
                                      segment.field_B->band_mm());
 }

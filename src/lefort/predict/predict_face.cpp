@@ -15,6 +15,7 @@
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/tissue_materials.h>
+#include <lefort/predict/weighted_contacts.h>
 
 #include <fmt/format.h>
 
@@ -130,7 +131,9 @@ class FacePath {
   [[nodiscard]] Result<void> add_contacts(const DistanceQueries& distance_queries_B);
   void add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
                    const std::string& name, const std::vector<mesh::Face>& faces);
-  void note_rest_penetration(std::size_t segment);
+  void add_weighted_contacts(const std::vector<contact::RigidObstacle>& bones);
+  [[nodiscard]] contact::MortarContactTerm::Options weighted_options() const;
+  void note_rest_penetration(double inside_mm, const std::string& bone);
   void add_supports(const std::vector<contact::RigidObstacle>& bones);
   [[nodiscard]] Result<void> make_assembler();
   void make_stepper(double max_distance_mm);
@@ -140,7 +143,7 @@ class FacePath {
   void pose_contacts(const std::vector<RigidTransform>& X_LB);
   [[nodiscard]] fem::NewtonOutcome solve_at(double path_fraction, const VectorX& start);
   [[nodiscard]] fem::NewtonOutcome solve_from(const std::vector<RigidTransform>& X_LB,
-                                              const VectorX& start);
+                                              const VectorX& start, int max_iterations);
   [[nodiscard]] std::vector<fem::LoadAttempt> take_new_attempts();
 
   const FaceModel& model_;
@@ -155,6 +158,7 @@ class FacePath {
   /// With each segment, if tissue slides on them; then with stationary bone, if it slides there.
   std::vector<contact::ContactTerm> contacts_;
   std::size_t segment_contact_count_ = 0;
+  WeightedContacts weighted_;
   std::vector<contact::SupportTerm> segment_supports_;     ///< One for each segment.
   std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
   std::optional<fem::Assembler> assembler_;
@@ -215,15 +219,35 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
     LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.contact_snap_mm));
     bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
   }
+  if (options_.contact.integration == contact::Integration::kWeighted) {
+    if (is_sliding) add_weighted_contacts(bones);
+    if (slides_on_stationary)
+      weighted_.add_stationary(tissue, stationary_faces->second, bones.back(), weighted_options());
+    add_supports(bones);
+    return {};
+  }
   segment_contact_count_ = is_sliding ? paths_.size() : 0;
   for (std::size_t k = 0; k < segment_contact_count_; ++k) {
     add_contact(bones, k, "segment " + paths_[k].segment, tissue.face_sets.at(sets::kContact));
-    note_rest_penetration(k);
+    note_rest_penetration(contacts_[k].rest_penetration_mm(), "segment " + paths_[k].segment);
   }
   if (slides_on_stationary)
     add_contact(bones, paths_.size(), "stationary bone", stationary_faces->second);
   add_supports(bones);
   return {};
+}
+
+contact::MortarContactTerm::Options FacePath::weighted_options() const {
+  return {.stiffness_mpa_per_mm = prediction_.contact_stiffness_mpa_per_mm,
+          .contact_snap_mm = options_.boundary.contact_snap_mm};
+}
+
+/// \param bones  segments first.
+void FacePath::add_weighted_contacts(const std::vector<contact::RigidObstacle>& bones) {
+  weighted_.add_segments(model_.tissue,
+                         {bones.begin(), bones.begin() + std::ptrdiff_t(paths_.size())},
+                         weighted_options());
+  note_rest_penetration(weighted_.on_segments->rest_penetration_mm(), "the segments");
 }
 
 /// \param bones  segments in the order of the plan, then stationary bone if tissue slides on it.
@@ -256,14 +280,13 @@ void FacePath::add_contact(const std::vector<contact::RigidObstacle>& bones, std
 }
 
 /// Warns if the mesh penetrates a segment at rest by more than the contact tolerance.
-void FacePath::note_rest_penetration(std::size_t segment) {
-  const double inside_mm = contacts_[segment].rest_penetration_mm();
+void FacePath::note_rest_penetration(double inside_mm, const std::string& bone) {
   prediction_.rest_penetration_mm = std::max(prediction_.rest_penetration_mm, inside_mm);
   if (inside_mm > options_.boundary.contact_snap_mm)
-    progress_.note(fmt::format(
-        "warning: the tissue mesh penetrates segment {} by up to {:.2f} mm before it moves, "
-        "more than boundary.contact_snap_mm = {:g} mm",
-        paths_[segment].segment, inside_mm, options_.boundary.contact_snap_mm));
+    progress_.note(
+        fmt::format("warning: the tissue mesh penetrates {} by up to {:.2f} mm before it moves, "
+                    "more than boundary.contact_snap_mm = {:g} mm",
+                    bone, inside_mm, options_.boundary.contact_snap_mm));
 }
 
 Result<void> FacePath::make_assembler() {
@@ -271,6 +294,7 @@ Result<void> FacePath::make_assembler() {
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements_) terms.push_back(term.get());
   for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
+  for (const contact::MortarContactTerm* weighted : weighted_.terms()) terms.push_back(weighted);
   for (const auto* supports : {&segment_supports_, &stationary_supports_})
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
@@ -317,6 +341,7 @@ std::vector<fem::PrescribedDisplacement> FacePath::prescribed_at(
 
 void FacePath::pose_contacts(const std::vector<RigidTransform>& X_LB) {
   for (std::size_t k = 0; k < segment_contact_count_; ++k) contacts_[k].set_pose(X_LB[k]);
+  weighted_.set_poses(X_LB);
   for (std::size_t k = 0; k < segment_supports_.size(); ++k) segment_supports_[k].set_pose(X_LB[k]);
 }
 
@@ -326,14 +351,25 @@ fem::NewtonOutcome FacePath::solve_at(double path_fraction, const VectorX& start
   iterate_.to_fraction = path_fraction;
   ++iterate_.attempt;
   iterate_.iteration = -1;
-  return contact::solve_augmented_lagrangian(
-      contacts_, model_.tissue.nodes_L, start,
-      [&](const VectorX& from) { return solve_from(X_LB, from); });
+  const auto solve = [&](const VectorX& from, int max_iterations) {
+    return solve_from(X_LB, from, max_iterations);
+  };
+  if (!weighted_.any())
+    return contact::solve_augmented_lagrangian(
+        contacts_, model_.tissue.nodes_L, start,
+        [&](const VectorX& from) { return solve(from, options_.solver.max_iterations); });
+  return weighted_.solve(geometry::poses_at(paths_, stepper_->state().t), stepper_->state().u, X_LB,
+                         start, options_.solver.max_iterations, solve);
 }
 
 fem::NewtonOutcome FacePath::solve_from(const std::vector<RigidTransform>& X_LB,
-                                        const VectorX& start) {
+                                        const VectorX& start, int max_iterations) {
   fem::NewtonOptions newton = newton_options(options_.solver, options_.tissue);
+  newton.max_iterations = max_iterations;
+  if (weighted_.any())
+    newton.max_step_length = [&](const VectorX& u, const VectorX& du) {
+      return weighted_.max_step_length(u, du);
+    };
   // As in the history, the start of a solve that follows a multiplier update is left out.
   bool is_reported = watch_.on_iterate && iterate_.iteration < 0;
   if (watch_.on_iterate)
@@ -379,6 +415,12 @@ void FacePath::record_step(double path_fraction) {
     step.segments[k].contact = contacts_[k].summarize(x_L);
   if (contacts_.size() > segment_contact_count_)
     step.stationary_contact = contacts_.back().summarize(x_L);
+  if (weighted_.on_segments) {
+    const std::vector<contact::ContactStatistics> sums = weighted_.on_segments->summarize(x_L);
+    for (std::size_t k = 0; k < sums.size(); ++k) step.segments[k].contact = sums[k];
+  }
+  if (weighted_.on_stationary)
+    step.stationary_contact = weighted_.on_stationary->summarize(x_L).front();
   for (std::size_t k = 0; k < segment_supports_.size(); ++k)
     step.segments[k].supports = segment_supports_[k].summarize(x_L);
   if (!stationary_supports_.empty())
@@ -418,6 +460,9 @@ FacePrediction FacePath::finish() {
   for (std::size_t k = 0; k < segment_contact_count_; ++k)
     prediction_.touched.push_back(
         contacts_[k].at_nodes(contact::displaced(model_.tissue.nodes_L, stepper_->state().u)));
+  if (weighted_.on_segments)
+    prediction_.touched = weighted_.on_segments->at_nodes_by_bone(
+        contact::displaced(model_.tissue.nodes_L, stepper_->state().u));
   return std::move(prediction_);
 }
 
@@ -433,7 +478,7 @@ contact::ContactStatistics PredictionStep::contact() const {
 }
 
 double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
-  return stiffness_factor(contact) * tissue.young_mpa / tissue.element_size_mm;
+  return stiffness_factor(contact, tissue) * tissue.young_mpa / tissue.element_size_mm;
 }
 
 Result<FacePrediction> predict_face(const FaceModel& model,

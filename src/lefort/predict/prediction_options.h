@@ -124,12 +124,9 @@ struct ContactOptions {
 
 /// The factor in k_c. With a penetration tolerance it is larger: the augmented Lagrangian then
 /// needs fewer Newton iterations, 370 instead of 631 on one path
-/// (docs/studies/contact-on-a-real-head.md).
-[[nodiscard]] inline double stiffness_factor(const ContactOptions& contact) {
-  constexpr double kByPenalty = 10.0, kByMultipliers = 160.0;
-  return contact.stiffness_factor.value_or(contact.penetration_tolerance_mm ? kByMultipliers
-                                                                            : kByPenalty);
-}
+/// (docs/studies/contact-on-a-real-head.md). Weighted gaps have the stiffness of
+/// contact::mortar_stiffness_mpa_per_mm().
+[[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);
 
 struct SolverOptions {
   double relative_tolerance = 1e-6;

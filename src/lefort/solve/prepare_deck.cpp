@@ -1,3 +1,4 @@
+#include <lefort/contact/mortar_contact_term.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/find_sets.h>
@@ -166,6 +167,13 @@ double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
   return young_mpa;
 }
 
+double default_stiffness_mpa_per_mm(const Obstacle& obstacle, double young_mpa, double edge_mm) {
+  if (obstacle.integration == contact::Integration::kWeighted)
+    return contact::mortar_stiffness_mpa_per_mm(
+        young_mpa, obstacle.penetration_tolerance_mm.value_or(contact::kMortarTolerance_mm));
+  return obstacle.stiffness_factor * young_mpa / edge_mm;
+}
+
 Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
   for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
     const Obstacle& obstacle = prepared.deck.obstacles[i];
@@ -174,8 +182,8 @@ Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
     LEFORT_TRY(FaceList faces, prefix_error(find_faces(prepared.mesh, obstacle.faces), key));
     LEFORT_TRY_VOID(prefix_error(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
-        obstacle.stiffness_factor * young_behind_mpa(prepared, index, faces) /
-        mean_edge_mm(prepared.mesh, faces)));
+        default_stiffness_mpa_per_mm(obstacle, young_behind_mpa(prepared, index, faces),
+                                     mean_edge_mm(prepared.mesh, faces))));
     prepared.obstacle_faces.push_back(std::move(faces));
   }
   return {};

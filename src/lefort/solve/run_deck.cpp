@@ -1,160 +1,21 @@
+#include <lefort/contact/solve_active_set.h>
 #include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assembly/assemble.h>
-#include <lefort/fem/assembly/dof_map.h>
-#include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/equilibrium.h>
-#include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
-#include <lefort/solve/continuous_contact_check.h>
-#include <lefort/solve/deck_loads.h>
 #include <lefort/solve/find_weakest_mode.h>
+#include <lefort/solve/problem.h>
 #include <lefort/solve/run_deck.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
 namespace lefort::solve {
 namespace {
-
-using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
-
-/// Force terms of a deck, with loads and obstacle poses that depend on time.
-class Problem {
- public:
-  [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
-      const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
-    LEFORT_TRY_VOID(check_obstacles(prepared, distance_queries));
-    LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
-    LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
-    LEFORT_TRY(fem::DofMap dofs,
-               fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
-    return std::unique_ptr<Problem>(new Problem(prepared, distance_queries, std::move(elements),
-                                                std::move(loads), std::move(dofs)));
-  }
-
-  void set_time(double time) {
-    loads_.set_time(time);
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      obstacles_[i].X_LB = geometry::pose_at(prepared_.deck.obstacles[i].path, time);
-      contacts_[i].set_pose(obstacles_[i].X_LB);
-    }
-  }
-
-  /// Rejects an equilibrium if an obstacle passed through faces within the increment.
-  void reject_passages(fem::NewtonOutcome& outcome) const {
-    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
-    for (std::size_t i = 0; i < contact_checks_.size() && outcome.converged(); ++i)
-      if (auto why = contact_checks_[i].rejection_reason(obstacles_[i], x_L)) {
-        outcome.stop = fem::NewtonStop::kRejected;
-        outcome.reason = *std::move(why);
-      }
-  }
-
-  /// Makes an accepted equilibrium the start of the next continuous contact checks.
-  void commit(const VectorX& u) {
-    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
-    for (std::size_t i = 0; i < contact_checks_.size(); ++i)
-      contact_checks_[i].commit(obstacles_[i], x_L);
-  }
-
-  /// Results of a converged state.
-  [[nodiscard]] Increment describe(const fem::LoadState& state) const;
-
-  [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
-  [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
-  [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
-
- private:
-  Problem(const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries,
-          ElementTerms elements, DeckLoads loads, fem::DofMap dofs)
-      : prepared_(prepared),
-        elements_(std::move(elements)),
-        loads_(std::move(loads)),
-        obstacles_(make_obstacles(distance_queries)),
-        contacts_(make_contacts(prepared, distance_queries)),
-        contact_checks_(make_contact_checks(prepared, obstacles_)),
-        assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
-
-  static std::vector<contact::RigidObstacle> make_obstacles(
-      const ObstacleDistanceQueries& distance_queries) {
-    std::vector<contact::RigidObstacle> obstacles;
-    for (const auto& distance_query : distance_queries)
-      obstacles.push_back({.distance_query_B = distance_query});
-    return obstacles;
-  }
-
-  static std::vector<contact::ContactTerm> make_contacts(
-      const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
-    std::vector<contact::ContactTerm> contacts;
-    for (std::size_t i = 0; i < distance_queries.size(); ++i)
-      contacts.push_back(make_contact(prepared, i, distance_queries[i]));
-    return contacts;
-  }
-
-  static std::vector<ContinuousContactCheck> make_contact_checks(
-      const PreparedDeck& prepared, const std::vector<contact::RigidObstacle>& obstacles) {
-    std::vector<ContinuousContactCheck> checks;
-    for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      checks.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-                          "obstacle " + prepared.deck.obstacles[i].name);
-      checks.back().commit(obstacles[i], prepared.mesh.nodes_L);
-    }
-    return checks;
-  }
-
-  [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
-    std::vector<const fem::ForceTerm*> terms;
-    for (const auto& term : elements_) terms.push_back(term.get());
-    for (const fem::ForceTerm* load : loads_.terms()) terms.push_back(load);
-    for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
-    return terms;
-  }
-
-  const PreparedDeck& prepared_;
-  ElementTerms elements_;
-  DeckLoads loads_;
-  std::vector<contact::RigidObstacle> obstacles_;  ///< At their current poses.
-  std::vector<contact::ContactTerm> contacts_;
-  std::vector<ContinuousContactCheck> contact_checks_;
-  fem::Assembler assembler_;
-};
-
-Increment Problem::describe(const fem::LoadState& state) const {
-  const Deck& deck = prepared_.deck;
-  const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, state.u);
-  Increment increment;
-  increment.time = state.t;
-  increment.u = state.u;
-  increment.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
-  increment.min_J = std::numeric_limits<double>::infinity();
-  for (const fem::ElementState& element : increment.elements)
-    increment.min_J = std::min(increment.min_J, element.min_volume_ratio);
-  for (Index n = 0; n < prepared_.mesh.node_count(); ++n)
-    increment.max_displacement_mm =
-        std::max(increment.max_displacement_mm, state.u.segment<3>(3 * n).norm());
-
-  const auto forces = assembler_.forces(state.u);
-  LEFORT_CHECK(forces.has_value());
-  increment.energy_mj = forces->energy_mj;
-  increment.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
-  for (const PrescribedDof& prescribed : prepared_.prescribed)
-    if (prescribed.by >= 0)
-      increment.reactions_n[std::size_t(prescribed.by)][prescribed.component] +=
-          forces->residual_n[3 * Index(prescribed.node) + prescribed.component];
-  increment.loads_n = loads_.totals_n(x_L);
-  for (const contact::ContactTerm& contact : contacts_) {
-    increment.contacts.push_back(contact.summarize(x_L));
-    increment.touched.push_back(contact.at_nodes(x_L));
-  }
-  for (const ProbePlace& probe : prepared_.probes)
-    increment.probes_mm.push_back(displacement_of(probe, state.u));
-  return increment;
-}
 
 /// Whether Newton found a tangent that was not positive definite.
 bool met_instability(const std::vector<fem::LoadAttempt>& attempts) {
@@ -272,6 +133,10 @@ fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch
   if (problem.assembler().forces(at_rest))
     options.round_off_n = kSafety * problem.assembler().force_round_off_n(at_rest);
   options.on_phase = watch.on_phase;
+  if (problem.has_weighted_contact())
+    options.max_step_length = [&problem](const VectorX& u, const VectorX& du) {
+      return problem.max_step_length(u, du);
+    };
   return options;
 }
 
@@ -310,7 +175,8 @@ class DeckRunner {
 
  private:
   [[nodiscard]] fem::NewtonOutcome solve_at(double time, const VectorX& start);
-  [[nodiscard]] fem::NewtonOutcome solve_from(double time, const VectorX& start);
+  [[nodiscard]] fem::NewtonOutcome solve_from(double time, const VectorX& start,
+                                              int max_iterations);
   [[nodiscard]] std::vector<fem::LoadAttempt> take_new_attempts();
   [[nodiscard]] Result<void> record(const fem::LoadState& state);
   [[nodiscard]] Result<void> record_failure(const Error& error);
@@ -342,14 +208,30 @@ Result<DeckRun> DeckRunner::run() {
 fem::NewtonOutcome DeckRunner::solve_at(double time, const VectorX& start) {
   problem_.set_time(time);
   newton_.may_start_at_rest = is_at_rest(prepared_, time);
-  fem::NewtonOutcome outcome = contact::solve_augmented_lagrangian(
-      problem_.contacts(), prepared_.mesh.nodes_L, start,
-      [&](const VectorX& from) { return solve_from(time, from); });
+  const auto solve_unilateral = [&](const VectorX& from) {
+    return contact::solve_augmented_lagrangian(
+        problem_.contacts(), prepared_.mesh.nodes_L, from, [&](const VectorX& x) {
+          return solve_from(time, x, prepared_.deck.newton.max_iterations);
+        });
+  };
+  fem::NewtonOutcome outcome;
+  if (!problem_.has_weighted_contact())
+    outcome = solve_unilateral(start);
+  else if (auto passed = problem_.passage_at_start(stepper_.state(), start))
+    outcome = *std::move(passed);
+  else
+    outcome = contact::solve_active_set(
+        problem_.weighted_contacts(), prepared_.mesh.nodes_L,
+        problem_.active_sets(stepper_.state(), time), start, prepared_.deck.newton.max_iterations,
+        [&](const VectorX& from, int max_iterations) {
+          return max_iterations == 1 ? solve_from(time, from, 1) : solve_unilateral(from);
+        });
   if (outcome.converged()) problem_.commit(outcome.x);
   return outcome;
 }
 
-fem::NewtonOutcome DeckRunner::solve_from(double time, const VectorX& start) {
+fem::NewtonOutcome DeckRunner::solve_from(double time, const VectorX& start, int max_iterations) {
+  newton_.max_iterations = max_iterations;
   fem::NewtonOutcome outcome =
       fem::find_equilibrium(problem_.assembler(), prescribed_at(prepared_, time), start,
                             linear_solver_, newton_, progress_);

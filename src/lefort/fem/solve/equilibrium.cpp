@@ -74,6 +74,8 @@ VectorX with_linear_response(const Assembler& assembler, const VectorX& start, c
   if (!du) return moved;
 
   VectorX response = dofs.with_free_part(moved, dofs.free_part(start) + *du);
+  if (options.max_step_length && options.max_step_length(moved, response - moved) < 1.0)
+    return moved;
   const auto after = assembler.forces(response);
   if (!after) return moved;
   const auto forces_moved = assembler.forces(moved);
@@ -114,6 +116,11 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   NewtonOptions of_free_part = options;
   if (options.round_off_n.size() > 0)
     of_free_part.round_off_n = dofs.free_part(options.round_off_n);
+  if (options.max_step_length)
+    of_free_part.max_step_length = [&](const VectorX& x, const VectorX& dx) {
+      const VectorX from = body.all(x);
+      return options.max_step_length(from, body.all(x + dx) - from);
+    };
   NewtonOutcome outcome =
       solve_newton(body, dofs.free_part(guess), linear_solver, of_free_part, progress);
   outcome.x = body.all(outcome.x);

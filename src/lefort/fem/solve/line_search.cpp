@@ -18,12 +18,17 @@ bool is_sufficient(const NewtonState& from, const NewtonState& to, double expect
   return to.residual_n < from.residual_n;
 }
 
+/// Largest allowed fraction of dx.
+double first_length(const NewtonState& from, const VectorX& dx, const NewtonOptions& options) {
+  return options.max_step_length ? options.max_step_length(from.x, dx) : 1.0;
+}
+
 }  // namespace
 
 std::optional<Step> backtrack(const NonlinearSystem& system, const NewtonState& from,
                               const VectorX& dx, const NewtonOptions& options) {
   const double slope_mj = from.residual_state.residual_n.dot(dx);
-  double length = 1.0;
+  double length = first_length(from, dx, options);
   for (int n = 0; n <= options.max_backtracks; ++n) {
     std::optional<NewtonState> to = evaluate_state(system, from.x + length * dx, &from);
     if (to && is_sufficient(from, *to, length * slope_mj, options))
@@ -41,7 +46,7 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const NewtonState& 
 std::optional<Step> backtrack_nonsymmetric(const NonlinearSystem& system, const NewtonState& from,
                                            const VectorX& dx, const NewtonOptions& options) {
   const double slope_mj = from.residual_state.residual_n.dot(dx);
-  double length = 1.0;
+  double length = first_length(from, dx, options);
   for (int n = 0; n < kNonsymmetricTrials; ++n, length *= kMinContraction) {
     std::optional<NewtonState> to = evaluate_state(system, from.x + length * dx, &from);
     if (!to) continue;
@@ -63,6 +68,7 @@ Step expand_step(const NonlinearSystem& system, const NewtonState& from, const V
             ? kMaxExpansion
             : std::clamp(slope_mj / (slope_mj - end_slope_mj), kMinExpansion, kMaxExpansion);
     const double length = factor * step.length;
+    if (first_length(from, length * dx, options) < 1.0) break;
     std::optional<NewtonState> to = evaluate_state(system, from.x + length * dx, &from);
     if (!to || to->energy_mj >= step.to.energy_mj ||
         !is_sufficient(from, *to, length * slope_mj, options))

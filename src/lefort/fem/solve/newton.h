@@ -86,6 +86,10 @@ struct NewtonOptions {
   double min_linear_tolerance = 1e-10;
   /// Largest tau that is tried, >= 0. A larger one would in effect replace K+ by its diagonal.
   double max_diagonal_shift = 1e3;
+  /// Largest fraction, in (0, 1], of a step dx from x that no contact forbids (\cite li2020,
+  /// section 4.4: a step that would cross a surface is cut short); empty: 1. For
+  /// find_equilibrium(): of all components.
+  std::function<double(const VectorX& x, const VectorX& dx)> max_step_length{};
   /// Called at the start of each phase, on the calling thread; may be empty.
   std::function<void(SolvePhase)> on_phase{};
   /// Called with each line of the history, on the calling thread; may be empty.
@@ -148,6 +152,7 @@ struct NewtonOutcome {
 ///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
 ///    it. If the expected change of W is within its round-off, |r| must decrease instead. The
 ///    tangent of step 3 is positive definite, so that dx descends.
+/// In steps 5 to 7, alpha is at most NewtonOptions::max_step_length.
 /// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
 ///    (3.5)) fails and W decreases.
 /// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a

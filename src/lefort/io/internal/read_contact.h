@@ -18,7 +18,8 @@ void read_contact(const Json& json, Options& options) {
     if (detection == contact::name_of(known)) options.detection = known;
   const std::string integration = json.value("integration", std::string());
   for (const contact::Integration known :
-       {contact::Integration::kQuadrature, contact::Integration::kNodes})
+       {contact::Integration::kQuadrature, contact::Integration::kNodes,
+        contact::Integration::kWeighted})
     if (integration == contact::name_of(known)) options.integration = known;
   if (json.contains("penetration_tolerance_mm"))
     options.penetration_tolerance_mm = json["penetration_tolerance_mm"].get<double>();

@@ -299,7 +299,7 @@ std::string restart_key(const PreparedCase& prepared) {
       .add(contact_snap_mm);
   add(hash, prepared.model.interface);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
-  hash.add(predict::stiffness_factor(plan.contact))
+  hash.add(predict::stiffness_factor(plan.contact, plan.tissue))
       .add(double(detection))
       .add(double(integration))
       .add(penetration_tolerance_mm.value_or(0.0));

@@ -119,7 +119,7 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
           {"joint_margin_mm", boundary.joint_margin_mm},
           {"interface_layer_mm", boundary.interface_layer_mm},
           {"contact_snap_mm", plan.boundary.contact_snap_mm},
-          {"stiffness_factor", predict::stiffness_factor(plan.contact)},
+          {"stiffness_factor", predict::stiffness_factor(plan.contact, plan.tissue)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
           {"detection", contact::name_of(plan.contact.detection)},
           {"integration", contact::name_of(plan.contact.integration)},

@@ -106,11 +106,12 @@ void report_contact(const io::PlanFile& plan, Progress& progress) {
       "element size, {:g} mm){}",
       contact::name_of(plan.contact.detection),
       kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
-      predict::stiffness_factor(plan.contact), kpa_from_mpa(plan.tissue.young_mpa),
+      predict::stiffness_factor(plan.contact, plan.tissue), kpa_from_mpa(plan.tissue.young_mpa),
       plan.tissue.element_size_mm,
-      tolerance_mm ? fmt::format(", multipliers until the P99 of penetration increase is {:g} mm",
-                                 *tolerance_mm)
-                   : ""));
+      plan.contact.integration == contact::Integration::kWeighted ? ", by weighted gaps"
+      : tolerance_mm ? fmt::format(", multipliers until the P99 of penetration increase is {:g} mm",
+                                   *tolerance_mm)
+                     : ""));
 }
 
 /// The plan's text, and the scan it is for.
@@ -196,7 +197,8 @@ Result<Summary> write_unconverged(const PredictJob& job, const PreparedCase& pre
 void check_penetration(const PreparedCase& prepared, const predict::FacePrediction& prediction,
                        Progress& progress) {
   const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm;
-  if (!tolerance_mm) return;
+  const bool is_weighted = prepared.plan.contact.integration == contact::Integration::kWeighted;
+  if (!tolerance_mm || is_weighted) return;  // Weighted gaps hold it in the mean.
   const auto deep = std::count_if(
       prediction.steps.begin(), prediction.steps.end(), [&](const predict::PredictionStep& step) {
         return step.contact().p99_penetration_increase_mm > *tolerance_mm;

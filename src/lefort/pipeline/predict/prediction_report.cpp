@@ -210,7 +210,7 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"contact stiffness k_c",
             is_contact ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
                                      prediction.contact_stiffness_mpa_per_mm,
-                                     predict::stiffness_factor(plan.contact))
+                                     predict::stiffness_factor(plan.contact, plan.tissue))
                        : std::string("\u2013")},
            {"penetration of tissue into the segment before it moves",
             is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)

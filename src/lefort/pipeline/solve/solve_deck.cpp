@@ -95,18 +95,21 @@ Result<DistanceQueryPtr> detect_obstacle(const io::ObstacleFile& file,
         std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
         file.options.band_mm > 0.0 ? file.options.band_mm : kUnlimited_mm);
   }
-  const auto shared = [&](field::DistanceField field) {
+  const auto shared = [&](field::DistanceField field,
+                          std::shared_ptr<const geometry::TriangleMesh> surface) {
     return contact::field_distance_query(
-        std::make_shared<const field::DistanceField>(std::move(field)), detection);
+        std::make_shared<const field::DistanceField>(std::move(field)), detection,
+        std::move(surface));
   };
   if (is_field) {
     LEFORT_TRY(field::DistanceField read, io::read_field(file.file));
-    return shared(std::move(read));
+    return shared(std::move(read), nullptr);
   }
-  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+  LEFORT_TRY(geometry::TriangleMesh surface, io::read_surface(file.file));
   LEFORT_TRY(field::DistanceField built,
              field::build_distance_field(surface, file.options, progress));
-  return shared(std::move(built));
+  return shared(std::move(built),
+                std::make_shared<const geometry::TriangleMesh>(std::move(surface)));
 }
 
 Result<solve::ObstacleDistanceQueries> detect_obstacles(const io::DeckFile& file,
@@ -133,7 +136,8 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
     const contact::ContactStatistics& contact = increment.contacts[i];
     line += fmt::format(", {} nodes in contact", contact.nodes);
     const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
-    if (tolerance_mm && contact.p99_penetration_increase_mm > *tolerance_mm)
+    if (tolerance_mm && deck.obstacles[i].integration != contact::Integration::kWeighted &&
+        contact.p99_penetration_increase_mm > *tolerance_mm)
       line += fmt::format(" with a P99 of the penetration increase of {:.3g} mm, above {:g} mm",
                           contact.p99_penetration_increase_mm, *tolerance_mm);
   }

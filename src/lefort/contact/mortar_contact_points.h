@@ -1,0 +1,50 @@
+/// \file
+/// Parts of MortarContactTerm that its source files have in common.
+#pragma once
+
+#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/point_in_patch.h>
+
+#include <vector>
+
+namespace lefort::contact {
+
+/// \param all_L  positions of all nodes of the mesh.
+/// \returns those of the patch.
+[[nodiscard]] inline std::vector<Vec3> positions(const NodePatch& patch,
+                                                 std::span<const Vec3> all_L) {
+  std::vector<Vec3> x_L;
+  for (const std::int32_t n : patch.nodes) x_L.push_back(all_L[std::size_t(n)]);
+  return x_L;
+}
+
+/// g_a and its derivatives.
+struct MortarContactTerm::PatchGap {
+  double gap_mm = 0.0;  ///< g_a.
+  /// G_a, three per node.
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * fem::kMaxLocalNodes, 1> gradient_mm2;
+};
+
+template <class Function>
+void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
+                                              std::size_t patch, std::span<const Vec3> x_L,
+                                              bool wants_hessian, const Function& f) const {
+  for (std::size_t bone = 0; bone < obstacles_.size(); ++bone) {
+    const BonePoints& of_bone = points[bone].points;
+    if (of_bone.points_B().empty()) continue;
+    const RigidTransform& X_LB = obstacles_[bone].X_LB;
+    const Mat3 R_BL = X_LB.linear().transpose();
+    Box3 box_B;
+    for (const Vec3& x : x_L) box_B.extend(R_BL * (x - X_LB.translation()));
+    const Vec3 reach = Vec3::Constant(reach_mm_[patch]);
+    std::vector<PatchTriangle> triangles;  // Only if there is a point.
+    of_bone.for_each_in(Box3(box_B.min() - reach, box_B.max() + reach), [&](std::size_t v) {
+      if (triangles.empty()) triangles = triangles_of(patches_[patch], x_L);
+      const auto depth = point_depth(patches_[patch], triangles, X_LB * of_bone.points_B()[v],
+                                     reach_mm_[patch], wants_hessian);
+      if (depth && depth->depth_mm > points[bone].rest_depths_mm[v]) f(bone, v, *depth);
+    });
+  }
+}
+
+}  // namespace lefort::contact

@@ -1,0 +1,73 @@
+/// \file
+/// Depth of a rigid point in the tissue behind the faces of a node patch.
+///
+/// The faces are divided into triangles (weighted_quadrature.h). With the closest point
+/// P = sum_b N_b x_b of these triangles to the point v, on a face, edge or vertex:
+///
+///   D = |v - P| > 0 behind the faces, else there is no contact
+///   dD/dx_b     = N_b n,  n = (P - v) / D       (the outward normal of a face)
+///
+/// The second derivatives are those of min over N of |v - sum N_b x_b|.
+#pragma once
+
+#include <lefort/contact/node_patches.h>
+#include <lefort/core/types.h>
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lefort::contact {
+
+/// Closest point of a patch to a point behind it.
+struct PointDepth {
+  double depth_mm = 0.0;     ///< D > 0.
+  double weight = 0.0;       ///< Hat function of the patch's node at P.
+  std::uint8_t corners = 0;  ///< Corners of the face, edge or vertex: 3, 2 or 1.
+  std::array<Vec3, 3> gradient_L{Vec3::Zero(), Vec3::Zero(),
+                                 Vec3::Zero()};  ///< dD/dx of each corner.
+  Eigen::Matrix<double, 9, 9> hessian_L =
+      Eigen::Matrix<double, 9, 9>::Zero();  ///< Of D [1/mm]; upper left 3 corners x 3.
+  Eigen::Matrix<double, 9, 9> positive_L =
+      Eigen::Matrix<double, 9, 9>::Zero();  ///< Positive semidefinite part of D Hess D, bounded.
+  /// Shape functions of the corners: row of the patch's nodes.
+  std::array<std::array<double, kMaxFaceNodes>, 3> N{};
+  std::uint8_t face = 0;  ///< Of the patch.
+};
+
+/// A triangle of the division of a patch.
+struct PatchTriangle {
+  std::array<Vec3, 3> x_L;    ///< Corners [mm].
+  std::array<int, 3> keys{};  ///< Of each corner: place of the node in the patch, or -1 - face.
+  std::uint8_t face = 0;      ///< Of the patch.
+  std::uint8_t number = 0;    ///< In the division of the face.
+
+  [[nodiscard]] Vec3 normal() const { return (x_L[1] - x_L[0]).cross(x_L[2] - x_L[0]); }
+  /// \returns the place of a corner; -1 if it is none.
+  [[nodiscard]] int place_of(int key) const {
+    for (int c = 0; c < 3; ++c)
+      if (keys[std::size_t(c)] == key) return c;
+    return -1;
+  }
+};
+
+/// \param x_L  nodes of the patch [mm].
+[[nodiscard]] std::vector<PatchTriangle> triangles_of(const NodePatch& patch,
+                                                      std::span<const Vec3> x_L);
+
+/// \param patch     the patch.
+/// \param triangles triangles_of() the patch.
+/// \param v_L       the point [mm].
+/// \param reach_mm  max depth.
+/// \returns the depth; nothing if the point is outside, deeper than `reach_mm`, or closest to the
+///   border of the patch, where its hat function is 0, or to the border of the contact faces.
+[[nodiscard]] std::optional<PointDepth> point_depth(const NodePatch& patch,
+                                                    std::span<const PatchTriangle> triangles,
+                                                    const Vec3& v_L, double reach_mm,
+                                                    bool wants_hessian);
+
+}  // namespace lefort::contact

@@ -1,0 +1,46 @@
+/// \file
+/// Primal-dual active set strategy for weighted contact, around Newton's method (\cite hueeber2005,
+/// algorithm 1; \cite popp2012, section 4).
+#pragma once
+
+#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/solve/newton.h>
+
+#include <functional>
+#include <span>
+
+namespace lefort::contact {
+
+/// Finds the equilibrium from a start with at most a number of Newton iterations.
+using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max_iterations)>;
+
+/// Algorithm. The active set consists of the nodes whose weighted gap is held at zero by the
+/// penalty, whatever its sign; the others are free. It starts with the nodes that have contact
+/// pressure in the last equilibrium. Until the step converges and the set does not change:
+///
+/// 1. One Newton step with the present set. Its energy is smooth, so that the line search does not
+///    shorten steps because nodes come into contact.
+/// 2. A node stays active if its pressure in the linear model of the step is positive. A free node
+///    becomes active if its gap is negative.
+///
+/// After kMaxActiveSetSteps steps, or if a step fails, Newton's method with the unilateral energy
+/// continues; its line search always descends. Both end in the same equations: the last solve is
+/// unilateral. The set is no history: it affects the number of iterations.
+///
+/// \param contacts  at their poses.
+/// \param nodes_L   nodes in the reference configuration [mm].
+/// \param active    active set of each contact in the last equilibrium (active_set()).
+/// \param start     displacements of all nodes [mm], first argument of the first solve.
+/// \param max_iterations  of the unilateral solve.
+/// \returns the outcome with the history of all steps.
+[[nodiscard]] fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts,
+                                                  std::span<const Vec3> nodes_L,
+                                                  std::vector<ActiveSet> active,
+                                                  const VectorX& start, int max_iterations,
+                                                  const SolveFrom& solve);
+
+/// Number of steps with an active set before the unilateral energy takes over.
+inline constexpr int kMaxActiveSetSteps = 20;
+
+}  // namespace lefort::contact

@@ -1,0 +1,76 @@
+#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/predict/tissue_boundary.h>
+#include <lefort/predict/weighted_contacts.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lefort::predict {
+
+void WeightedContacts::add_segments(const mesh::VolumeMesh& tissue,
+                                    std::vector<contact::RigidObstacle> segments,
+                                    const contact::MortarContactTerm::Options& options) {
+  tissue_ = &tissue;
+  on_segments.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact), std::move(segments),
+                      options);
+}
+
+void WeightedContacts::add_stationary(const mesh::VolumeMesh& tissue,
+                                      const std::vector<mesh::Face>& faces,
+                                      const contact::RigidObstacle& bone,
+                                      const contact::MortarContactTerm::Options& options) {
+  tissue_ = &tissue;
+  on_stationary.emplace(tissue.nodes_L, faces, std::vector{bone}, options);
+}
+
+std::vector<const contact::MortarContactTerm*> WeightedContacts::terms() const {
+  std::vector<const contact::MortarContactTerm*> terms;
+  for (const auto* term : {&on_segments, &on_stationary})
+    if (*term) terms.push_back(&**term);
+  return terms;
+}
+
+void WeightedContacts::set_poses(const std::vector<RigidTransform>& X_LB) {
+  for (std::size_t k = 0; on_segments && k < X_LB.size(); ++k) on_segments->set_pose(k, X_LB[k]);
+}
+
+double WeightedContacts::max_step_length(const VectorX& u, const VectorX& du) const {
+  const std::vector<Vec3> x_L = contact::displaced(tissue_->nodes_L, u);
+  const std::vector<Vec3> dx_L =
+      contact::displaced(std::vector<Vec3>(x_L.size(), Vec3::Zero()), du);
+  double length = 1.0;
+  for (const contact::MortarContactTerm* term : terms())
+    length = std::min(length, term->max_step_length(x_L, dx_L));
+  return length;
+}
+
+fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& X_LB_last,
+                                           const VectorX& u_last,
+                                           const std::vector<RigidTransform>& X_LB,
+                                           const VectorX& start, int max_iterations,
+                                           const contact::SolveFrom& solve) {
+  const std::vector<Vec3> last_L = contact::displaced(tissue_->nodes_L, u_last);
+  const std::vector<Vec3> start_L = contact::displaced(tissue_->nodes_L, start);
+  const std::vector<RigidTransform> at_rest{RigidTransform::Identity()};
+  if ((on_segments && on_segments->max_motion(last_L, X_LB_last, start_L) < 1.0) ||
+      (on_stationary && on_stationary->max_motion(last_L, at_rest, start_L) < 1.0)) {
+    fem::NewtonOutcome outcome;
+    outcome.x = start;
+    outcome.reason = "a bone would pass through tissue in one increment";
+    return outcome;
+  }
+  set_poses(X_LB_last);
+  std::vector<contact::MortarContactTerm*> terms;
+  std::vector<contact::ActiveSet> active;
+  for (auto* term : {&on_segments, &on_stationary}) {
+    if (!*term) continue;
+    (*term)->note_clearances(last_L);
+    active.push_back((*term)->active_set(last_L));
+    terms.push_back(&**term);
+  }
+  set_poses(X_LB);
+  return contact::solve_active_set(terms, tissue_->nodes_L, std::move(active), start,
+                                   max_iterations, solve);
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,59 @@
+/// \file
+/// Contact of the face by weighted gaps (contact/mortar_contact_term.h).
+#pragma once
+
+#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/solve_active_set.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/solve/newton.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lefort::predict {
+
+/// The terms with all segments and with stationary bone, where tissue slides on them.
+class WeightedContacts {
+ public:
+  std::optional<contact::MortarContactTerm> on_segments, on_stationary;
+
+  /// \param tissue    must outlive the object; its set `contact` touches the segments.
+  /// \param segments  at their poses in the reference configuration.
+  void add_segments(const mesh::VolumeMesh& tissue, std::vector<contact::RigidObstacle> segments,
+                    const contact::MortarContactTerm::Options& options);
+  /// \param faces  that touch stationary bone.
+  void add_stationary(const mesh::VolumeMesh& tissue, const std::vector<mesh::Face>& faces,
+                      const contact::RigidObstacle& bone,
+                      const contact::MortarContactTerm::Options& options);
+
+  [[nodiscard]] bool any() const { return on_segments || on_stationary; }
+  [[nodiscard]] std::vector<const contact::MortarContactTerm*> terms() const;
+
+  /// \param X_LB  of each segment.
+  void set_poses(const std::vector<RigidTransform>& X_LB);
+
+  /// \param u   displacements of all nodes [mm].
+  /// \param du  their step [mm].
+  /// \returns the fraction of the step by which no point passes through a bone.
+  [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const;
+
+  /// Finds equilibrium by contact::solve_active_set(). Rejects a start if a bone would pass through
+  /// tissue on the way from the last equilibrium.
+  /// \param X_LB_last       poses in the last equilibrium.
+  /// \param u_last          its displacements [mm].
+  /// \param X_LB            present poses, which are those of the terms.
+  /// \param start           displacements of all nodes [mm].
+  /// \param max_iterations  of the unilateral solve.
+  [[nodiscard]] fem::NewtonOutcome solve(const std::vector<RigidTransform>& X_LB_last,
+                                         const VectorX& u_last,
+                                         const std::vector<RigidTransform>& X_LB,
+                                         const VectorX& start, int max_iterations,
+                                         const contact::SolveFrom& solve);
+
+ private:
+  const mesh::VolumeMesh* tissue_ = nullptr;
+};
+
+}  // namespace lefort::predict

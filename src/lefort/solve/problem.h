@@ -1,0 +1,207 @@
+/// \file
+/// The equations of a deck: its force terms, with loads and poses that depend on time.
+#pragma once
+
+#include <lefort/contact/contact_term.h>
+#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/solve/load_steps.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/solve/check_obstacles.h>
+#include <lefort/solve/continuous_contact_check.h>
+#include <lefort/solve/deck_loads.h>
+#include <lefort/solve/run_deck.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lefort::solve {
+
+using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
+
+/// Contact by weighted gaps with all obstacles that may touch the same faces.
+struct WeightedContact {
+  std::vector<std::size_t> obstacles;
+  contact::MortarContactTerm term;
+};
+
+/// \param obstacles  in the order of the deck, at their poses at rest.
+[[nodiscard]] std::vector<WeightedContact> make_weighted_contacts(
+    const PreparedDeck& prepared, std::span<const contact::RigidObstacle> obstacles);
+
+/// Force terms of a deck, with loads and obstacle poses that depend on time.
+class Problem {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
+      const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
+    LEFORT_TRY_VOID(check_obstacles(prepared, distance_queries));
+    LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
+    LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
+    LEFORT_TRY(fem::DofMap dofs,
+               fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
+    return std::unique_ptr<Problem>(new Problem(prepared, distance_queries, std::move(elements),
+                                                std::move(loads), std::move(dofs)));
+  }
+
+  void set_time(double time) {
+    loads_.set_time(time);
+    for (std::size_t i = 0; i < obstacles_.size(); ++i)
+      obstacles_[i].X_LB = geometry::pose_at(prepared_.deck.obstacles[i].path, time);
+    for (std::size_t n = 0; n < contacts_.size(); ++n)
+      contacts_[n].set_pose(obstacles_[contact_obstacles_[n]].X_LB);
+    for (WeightedContact& contact : weighted_)
+      for (std::size_t n = 0; n < contact.obstacles.size(); ++n)
+        contact.term.set_pose(n, obstacles_[contact.obstacles[n]].X_LB);
+  }
+
+  /// Rejects an equilibrium if an obstacle passed through faces within the increment.
+  void reject_passages(fem::NewtonOutcome& outcome) const {
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
+    for (std::size_t i = 0; i < contact_checks_.size() && outcome.converged(); ++i)
+      if (auto why = contact_checks_[i].rejection_reason(obstacles_[contact_obstacles_[i]], x_L)) {
+        outcome.stop = fem::NewtonStop::kRejected;
+        outcome.reason = *std::move(why);
+      }
+  }
+
+  /// Largest fraction of a step of the displacements by which no face passes through an obstacle.
+  [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const {
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
+    const std::vector<Vec3> dx_L =
+        contact::displaced(std::vector<Vec3>(x_L.size(), Vec3::Zero()), du);
+    double length = 1.0;
+    for (const WeightedContact& contact : weighted_)
+      length = std::min(length, contact.term.max_step_length(x_L, dx_L));
+    return length;
+  }
+  /// Active sets of the last equilibrium. The poses are then those of `time`.
+  [[nodiscard]] std::vector<contact::ActiveSet> active_sets(const fem::LoadState& last,
+                                                            double time) {
+    set_time(last.t);
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, last.u);
+    std::vector<contact::ActiveSet> sets;
+    for (WeightedContact& contact : weighted_) {
+      contact.term.note_clearances(x_L);
+      sets.push_back(contact.term.active_set(x_L));
+    }
+    set_time(time);
+    return sets;
+  }
+  [[nodiscard]] std::vector<contact::MortarContactTerm*> weighted_contacts() {
+    std::vector<contact::MortarContactTerm*> terms;
+    for (WeightedContact& contact : weighted_) terms.push_back(&contact.term);
+    return terms;
+  }
+  [[nodiscard]] bool has_weighted_contact() const { return !weighted_.empty(); }
+
+  /// \returns an outcome that rejects the start, if an obstacle would pass through faces on the way
+  ///   from the last equilibrium.
+  [[nodiscard]] std::optional<fem::NewtonOutcome> passage_at_start(const fem::LoadState& last,
+                                                                   const VectorX& start) const {
+    for (const WeightedContact& contact : weighted_) {
+      std::vector<RigidTransform> poses;
+      for (const std::size_t i : contact.obstacles)
+        poses.push_back(geometry::pose_at(prepared_.deck.obstacles[i].path, last.t));
+      if (contact.term.max_motion(contact::displaced(prepared_.mesh.nodes_L, last.u), poses,
+                                  contact::displaced(prepared_.mesh.nodes_L, start)) == 1.0)
+        continue;
+      fem::NewtonOutcome outcome;
+      outcome.x = start;
+      outcome.reason = "an obstacle would pass through faces in one increment";
+      return outcome;
+    }
+    return std::nullopt;
+  }
+
+  /// Makes an accepted equilibrium the start of the next continuous contact checks.
+  void commit(const VectorX& u) {
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
+    for (std::size_t i = 0; i < contact_checks_.size(); ++i)
+      contact_checks_[i].commit(obstacles_[contact_obstacles_[i]], x_L);
+  }
+
+  /// Results of a converged state.
+  [[nodiscard]] Increment describe(const fem::LoadState& state) const;
+
+  [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
+  [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
+  [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
+
+ private:
+  Problem(const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries,
+          ElementTerms elements, DeckLoads loads, fem::DofMap dofs)
+      : prepared_(prepared),
+        elements_(std::move(elements)),
+        loads_(std::move(loads)),
+        obstacles_(make_obstacles(distance_queries)),
+        contact_obstacles_(obstacles_with_points(prepared)),
+        contacts_(make_contacts(prepared, contact_obstacles_, distance_queries)),
+        weighted_(make_weighted_contacts(prepared, obstacles_)),
+        contact_checks_(make_contact_checks(prepared, contact_obstacles_, obstacles_)),
+        assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
+
+  static std::vector<contact::RigidObstacle> make_obstacles(
+      const ObstacleDistanceQueries& distance_queries) {
+    std::vector<contact::RigidObstacle> obstacles;
+    for (const auto& distance_query : distance_queries)
+      obstacles.push_back({.distance_query_B = distance_query});
+    return obstacles;
+  }
+
+  /// Obstacles whose contact is integrated at points.
+  static std::vector<std::size_t> obstacles_with_points(const PreparedDeck& prepared) {
+    std::vector<std::size_t> obstacles;
+    for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i)
+      if (prepared.deck.obstacles[i].integration != contact::Integration::kWeighted)
+        obstacles.push_back(i);
+    return obstacles;
+  }
+
+  static std::vector<contact::ContactTerm> make_contacts(
+      const PreparedDeck& prepared, std::span<const std::size_t> obstacles,
+      const ObstacleDistanceQueries& distance_queries) {
+    std::vector<contact::ContactTerm> contacts;
+    for (const std::size_t i : obstacles)
+      contacts.push_back(make_contact(prepared, i, distance_queries[i]));
+    return contacts;
+  }
+
+  static std::vector<ContinuousContactCheck> make_contact_checks(
+      const PreparedDeck& prepared, std::span<const std::size_t> checked,
+      const std::vector<contact::RigidObstacle>& obstacles) {
+    std::vector<ContinuousContactCheck> checks;
+    for (const std::size_t i : checked) {
+      checks.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
+                          "obstacle " + prepared.deck.obstacles[i].name);
+      checks.back().commit(obstacles[i], prepared.mesh.nodes_L);
+    }
+    return checks;
+  }
+
+  [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
+    std::vector<const fem::ForceTerm*> terms;
+    for (const auto& term : elements_) terms.push_back(term.get());
+    for (const fem::ForceTerm* load : loads_.terms()) terms.push_back(load);
+    for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
+    for (const WeightedContact& contact : weighted_) terms.push_back(&contact.term);
+    return terms;
+  }
+
+  const PreparedDeck& prepared_;
+  ElementTerms elements_;
+  DeckLoads loads_;
+  std::vector<contact::RigidObstacle> obstacles_;  ///< At their current poses.
+  std::vector<std::size_t> contact_obstacles_;     ///< Of each of contacts_.
+  std::vector<contact::ContactTerm> contacts_;
+  std::vector<WeightedContact> weighted_;
+  std::vector<ContinuousContactCheck> contact_checks_;
+  fem::Assembler assembler_;
+};
+
+}  // namespace lefort::solve

@@ -1,0 +1,321 @@
+#include <lefort/contact/bone_points.h>
+#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/mesh/element_faces.h>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "support/shapes.h"
+
+namespace lefort::contact::test_mortar_contact_term {
+namespace {
+
+constexpr double kStiffness = 0.04;
+
+RigidObstacle obstacle(geometry::TriangleMesh surface) {
+  auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(surface, {.resolution = 64, .band_mm = 3.0, .smooth = true})
+          .value());
+  return {field_distance_query(field, DetectionMethod::kSmooth,
+                               std::make_shared<const geometry::TriangleMesh>(std::move(surface)))
+              .value()};
+}
+
+RigidObstacle ball() {
+  static const RigidObstacle ball = obstacle(test::make_icosphere(6.0, 5));
+  return ball;
+}
+
+RigidObstacle slab() {
+  static const RigidObstacle slab = obstacle(test::make_box({-10, -10, -8}, {10, 10, 0}));
+  return slab;
+}
+
+/// A box that stands on an edge along y; its uppermost edge is z = 0.
+RigidObstacle ridge() {
+  static const RigidObstacle ridge = [] {
+    geometry::TriangleMesh box = test::make_box({-3, -8, -3}, {3, 8, 3});
+    const Eigen::AngleAxisd turn(0.25 * std::numbers::pi, Vec3::UnitY());
+    for (Vec3& v : box.vertices) v = turn * v - Vec3(0.0, 0.0, 3.0 * std::numbers::sqrt2);
+    return obstacle(std::move(box));
+  }();
+  return ridge;
+}
+
+struct Evaluated {
+  bool is_admissible = true;
+  double energy_mj = 0.0;
+  VectorX residual_n;
+  Eigen::MatrixXd stiffness;
+};
+
+/// Sum over all items.
+Evaluated gather(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
+                 fem::Tangent tangent = fem::Tangent::kExact) {
+  const auto size = Index(3 * x_L.size());
+  Evaluated sum{true, 0.0, VectorX::Zero(size), Eigen::MatrixXd::Zero(size, size)};
+  for (Index item = 0; item < term.item_count(); ++item) {
+    const auto nodes = term.nodes(item);
+    std::vector<Vec3> local_L;
+    for (const std::int32_t node : nodes) local_L.push_back(x_L[std::size_t(node)]);
+    const auto count = Index(3 * nodes.size());
+    VectorX r = VectorX::Zero(count);
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(count, count);
+    fem::LocalEquations local{0.0, {r.data(), count}, {K.data(), count, count}, tangent};
+    sum.is_admissible = sum.is_admissible && term.evaluate(item, local_L, local);
+    sum.energy_mj += local.energy_mj;
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      sum.residual_n.segment<3>(3 * nodes[a]) += r.segment<3>(3 * Index(a));
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        sum.stiffness.block<3, 3>(3 * nodes[a], 3 * nodes[b]) +=
+            K.block<3, 3>(3 * Index(a), 3 * Index(b));
+    }
+  }
+  return sum;
+}
+
+void expect_derivatives_of_energy(const MortarContactTerm& term, const std::vector<Vec3>& x_L) {
+  constexpr double kStep = 1e-6;
+  const Evaluated at = gather(term, x_L);
+  ASSERT_TRUE(at.is_admissible);
+  const double scale = at.stiffness.cwiseAbs().maxCoeff();
+  ASSERT_GT(scale, 0.0);
+  EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12 * scale);
+  for (Index dof = 0; dof < Index(3 * x_L.size()); ++dof) {
+    std::vector<Vec3> plus = x_L, minus = x_L;
+    plus[std::size_t(dof / 3)][dof % 3] += kStep;
+    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+    const Evaluated above = gather(term, plus), below = gather(term, minus);
+    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep),
+                1e-7 * scale);
+    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-4 * scale)
+        << dof;
+  }
+}
+
+double min_eigenvalue(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
+}
+
+/// Four linear or quadratic triangles around (0.1, -0.2) in the plane z = 0, or four
+/// quadrilaterals; normals point down.
+struct Patch {
+  std::vector<Vec3> nodes_L;
+  std::vector<mesh::Face> faces;
+};
+
+Patch patch_of(mesh::FaceShape shape) {
+  const bool is_triangle = mesh::corner_count(shape) == 3;
+  Patch patch;
+  patch.nodes_L = {{0.1, -0.2, 0}, {2, 0.1, 0}, {0.2, 2.1, 0}, {-2, -0.1, 0}, {-0.1, -1.9, 0},
+                   {2, 2, 0},      {-2, 2, 0},  {-2, -2, 0},   {2, -2, 0}};
+  for (int n = 0; n < 4; ++n) {
+    const std::int32_t next = 1 + (n + 1) % 4, here = 1 + n, corner = 5 + n;
+    if (is_triangle)
+      patch.faces.push_back({shape, {0, next, here}});
+    else
+      patch.faces.push_back({shape, {0, next, corner, here}});
+  }
+  if (is_triangle) patch.nodes_L.resize(5);
+  if (mesh::node_count(shape) == mesh::corner_count(shape)) return patch;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
+  const auto corners = std::size_t(mesh::corner_count(shape));
+  for (mesh::Face& face : patch.faces)
+    for (std::size_t a = 0; a < corners; ++a) {
+      const std::int32_t from = face.nodes[a], to = face.nodes[(a + 1) % corners];
+      const auto [at, is_new] =
+          middles.try_emplace(std::minmax(from, to), std::int32_t(patch.nodes_L.size()));
+      if (is_new)
+        patch.nodes_L.push_back(
+            0.5 * (patch.nodes_L[std::size_t(from)] + patch.nodes_L[std::size_t(to)]));
+      face.nodes[corners + a] = at->second;
+    }
+  return patch;
+}
+
+class MortarContact : public testing::TestWithParam<mesh::FaceShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, MortarContact,
+                         testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
+                                         mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
+
+TEST_P(MortarContact, WeightFunctionsSumToOneAndHavePositiveIntegrals) {
+  std::array<double, kMaxFaceNodes> integral{};
+  for (const WeightedPoint& point : weighted_quadrature(GetParam())) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < kMaxFaceNodes; ++a) {
+      sum += point.M[a];
+      integral[a] += point.at.weight * point.M[a];
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-13);
+  }
+  for (int a = 0; a < mesh::node_count(GetParam()); ++a) EXPECT_GT(integral[std::size_t(a)], 0.01);
+}
+
+TEST_P(MortarContact, OnLinearFacesTheWeightFunctionsAreDualToTheShapeFunctions) {
+  if (mesh::node_count(GetParam()) != mesh::corner_count(GetParam())) GTEST_SKIP();
+  const auto count = std::size_t(mesh::node_count(GetParam()));
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b) {
+      double product = 0.0, of_shape = 0.0;
+      for (const WeightedPoint& point : weighted_quadrature(GetParam())) {
+        product += point.at.weight * point.M[a] * point.at.N[b];
+        of_shape += point.at.weight * point.at.N[b];
+      }
+      EXPECT_NEAR(product, a == b ? of_shape : 0.0, 1e-13);
+    }
+}
+
+TEST_P(MortarContact, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+  const Patch patch = patch_of(GetParam());
+  RigidObstacle below = ball();
+  below.X_LB.translation() = Vec3(0.3, -0.2, -6.5);
+  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  below.X_LB.translation().z() = -5.2;
+  term.set_pose(0, below.X_LB);
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> shift_mm(-0.1, 0.1);
+  for (int state = 0; state < 3; ++state) {
+    std::vector<Vec3> x_L = patch.nodes_L;
+    for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
+    expect_derivatives_of_energy(term, x_L);
+    EXPECT_GT(min_eigenvalue(gather(term, x_L, fem::Tangent::kPsdProjected).stiffness), -1e-12);
+  }
+}
+
+/// The ridge passes between the nodes: over faces, across their edges and through a vertex.
+TEST_P(MortarContact, SharpPointsHaveTheDerivativesOfTheEnergy) {
+  const Patch patch = patch_of(GetParam());
+  RigidObstacle below = ridge();
+  below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
+  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> shift_mm(-0.1, 0.1);
+  for (const double x_mm : {0.45, 0.9}) {
+    below.X_LB.translation() = Vec3(x_mm, 0.013, 0.17);
+    term.set_pose(0, below.X_LB);
+    std::vector<Vec3> x_L = patch.nodes_L;
+    for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
+    expect_derivatives_of_energy(term, x_L);
+    EXPECT_GT(min_eigenvalue(gather(term, x_L, fem::Tangent::kPsdProjected).stiffness), -1e-10);
+  }
+}
+
+TEST_P(MortarContact, UniformDepthOnAFlatBoneIsUniformPressure) {
+  const Patch patch = patch_of(GetParam());
+  MortarContactTerm term(patch.nodes_L, patch.faces, {slab()},
+                         {.stiffness_mpa_per_mm = kStiffness});
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation().z() = 0.5;
+  term.set_pose(0, X_LB);
+  double area_mm2 = 0.0;
+  const NodePatches patches(patch.nodes_L, patch.faces);
+  for (std::size_t n = 0; n < patches.point_count(); ++n) area_mm2 += patches.area_mm2(n);
+  const Evaluated at = gather(term, patch.nodes_L);
+  Vec3 force_n = Vec3::Zero();
+  for (std::size_t n = 0; n < patch.nodes_L.size(); ++n)
+    force_n -= at.residual_n.segment<3>(3 * Index(n));
+  EXPECT_NEAR(force_n.z(), 2.0 * kStiffness * 0.5 * area_mm2, 1e-6);
+  EXPECT_NEAR(at.energy_mj, kStiffness * 0.25 * area_mm2, 1e-6);
+  const ContactStatistics sum = term.summarize(patch.nodes_L).front();
+  EXPECT_NEAR(sum.force_L_n.z(), force_n.z(), 1e-9);
+  EXPECT_NEAR(sum.max_penetration_increase_mm, 0.5, 1e-3);
+  EXPECT_NEAR(sum.area_mm2, area_mm2, 1e-6);
+  const std::vector<std::vector<NodalContact>> nodes = term.at_nodes_by_bone(patch.nodes_L);
+  for (const NodalContact& node : nodes.front())
+    EXPECT_NEAR(node.pressure_mpa, 2.0 * kStiffness * 0.5, 1e-6);
+}
+
+TEST(MortarContactTerm, TissueAtRestIsFreeOfForceAlsoInsideSharpBone) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle inside = ridge();
+  inside.X_LB.translation() = Vec3(0.45, 0.0, 0.2);
+  const MortarContactTerm term(patch.nodes_L, patch.faces, {inside},
+                               {.stiffness_mpa_per_mm = kStiffness});
+  EXPECT_GT(term.rest_penetration_mm(), 0.0);
+  EXPECT_NEAR(gather(term, patch.nodes_L).energy_mj, 0.0, 1e-15);
+}
+
+TEST(MortarContactTerm, NotingClearancesChangesNoResult) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle below = ball();
+  below.X_LB.translation() = Vec3(0.3, -0.2, -7.0);
+  MortarContactTerm plain(patch.nodes_L, patch.faces, {below},
+                          {.stiffness_mpa_per_mm = kStiffness});
+  MortarContactTerm noted = plain;
+  noted.note_clearances(patch.nodes_L);
+  for (double z = -7.0; z < -5.0; z += 0.1) {
+    RigidTransform X_LB = below.X_LB;
+    X_LB.translation().z() = z;
+    plain.set_pose(0, X_LB);
+    noted.set_pose(0, X_LB);
+    EXPECT_EQ(gather(plain, patch.nodes_L).residual_n, gather(noted, patch.nodes_L).residual_n)
+        << z;
+  }
+}
+
+TEST(MortarContactTerm, TwoBonesActAsOneObstacle) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle one = slab(), other = slab();
+  one.X_LB.translation() = Vec3(0, 0, 0.5);
+  other.X_LB.translation() = Vec3(0, 0, 0.5);
+  RigidObstacle start = slab();
+  start.X_LB.translation().z() = -1.0;
+  MortarContactTerm alone(patch.nodes_L, patch.faces, {start},
+                          {.stiffness_mpa_per_mm = kStiffness});
+  MortarContactTerm both(patch.nodes_L, patch.faces, {start, start},
+                         {.stiffness_mpa_per_mm = kStiffness});
+  alone.set_pose(0, one.X_LB);
+  both.set_pose(0, one.X_LB);
+  both.set_pose(1, other.X_LB);
+  EXPECT_EQ(gather(alone, patch.nodes_L).residual_n, gather(both, patch.nodes_L).residual_n);
+}
+
+TEST(BonePoints, FindsTheEdgesOfABoxAndNoPointOfABall) {
+  const RigidObstacle box = slab(), round = ball();
+  const BonePoints edges =
+      sharp_points(*box.distance_query_B->surface_B(), *box.distance_query_B, 2.0);
+  EXPECT_GT(edges.points_B().size(), 12u * 8u * 5u / 2u);
+  for (const Vec3& p : edges.points_B()) {
+    // Within half an element of an edge; near a corner also beside the edges.
+    const int near_sides = int(10 - std::abs(p.x()) < 1.0) + int(10 - std::abs(p.y()) < 1.0) +
+                           int(-p.z() < 1.0 || p.z() + 8 < 1.0);
+    EXPECT_GE(near_sides, 2) << p.transpose();
+  }
+  EXPECT_TRUE(sharp_points(*round.distance_query_B->surface_B(), *round.distance_query_B, 2.0)
+                  .points_B()
+                  .empty());
+}
+
+TEST(BonePoints, ListsThePointsOfABox) {
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<double> coordinate(-3.0, 7.0);
+  std::vector<Vec3> points;
+  for (int n = 0; n < 400; ++n)
+    points.emplace_back(coordinate(generator), coordinate(generator), coordinate(generator));
+  const BonePoints all(points, 0.1);
+  const Box3 box(Vec3(-1, 0, 2), Vec3(3, 8, 5));
+  std::size_t found = 0, expected = 0;
+  all.for_each_in(box, [&](std::size_t n) {
+    EXPECT_TRUE(box.contains(all.points_B()[n]));
+    ++found;
+  });
+  for (const Vec3& p : points) expected += box.contains(p) ? 1 : 0;
+  EXPECT_EQ(found, expected);
+  EXPECT_GT(found, 10u);
+}
+
+}  // namespace
+}  // namespace lefort::contact::test_mortar_contact_term
