@@ -5,6 +5,7 @@
 #include <lefort/core/check.h>
 #include <lefort/image/volume.h>
 
+#include <algorithm>
 #include <array>
 
 namespace lefort::anatomy {
@@ -28,6 +29,16 @@ struct Margin {
   wide.origin_L =
       grid.point_L({-double(margin.first[0]), -double(margin.first[1]), -double(margin.first[2])});
   return wide;
+}
+
+/// The grid without a margin; voxels keep their positions in L.
+[[nodiscard]] inline image::Grid cropped(const image::Grid& grid, const Margin& margin) {
+  image::Grid inner = grid;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    inner.size[axis] -= margin.first[axis] + margin.last[axis];
+  inner.origin_L =
+      grid.point_L({double(margin.first[0]), double(margin.first[1]), double(margin.first[2])});
+  return inner;
 }
 
 /// The volume with a margin of constant `value`; voxels keep their positions in L.
@@ -63,6 +74,50 @@ template <class T>
         volume.values.push_back(
             wide.at(i + margin.first[0], j + margin.first[1], k + margin.first[2]));
   return volume;
+}
+
+/// Removes a margin; voxels keep their positions in L.
+template <class T>
+[[nodiscard]] image::Volume<T> cropped(const image::Volume<T>& wide, const Margin& margin) {
+  return cropped(wide, margin, cropped(wide.grid, margin));
+}
+
+/// Overwrites the voxels within a margin.
+///
+/// \param inner   cropped from `wide`.
+/// \param margin  of `wide`.
+/// \param wide    receives the values of `inner`.
+template <class T>
+void paste(const image::Volume<T>& inner, const Margin& margin, image::Volume<T>& wide) {
+  for (Index k = 0; k < inner.grid.size[2]; ++k)
+    for (Index j = 0; j < inner.grid.size[1]; ++j)
+      for (Index i = 0; i < inner.grid.size[0]; ++i)
+        wide.at(i + margin.first[0], j + margin.first[1], k + margin.first[2]) = inner.at(i, j, k);
+}
+
+/// The margin around the box of all voxels for which `belongs(offset)` is true, extended by
+/// `around` voxels along each axis; it removes all voxels if there are none.
+template <class Predicate>
+[[nodiscard]] Margin margin_around(const image::Grid& grid, const std::array<Index, 3>& around,
+                                   const Predicate& belongs) {
+  Margin margin{grid.size, {0, 0, 0}};
+  std::array<Index, 3> last{-1, -1, -1};
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i) {
+        if (!belongs(std::size_t(grid.offset(i, j, k)))) continue;
+        const std::array<Index, 3> at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          margin.first[axis] = std::min(margin.first[axis], at[axis]);
+          last[axis] = std::max(last[axis], at[axis]);
+        }
+      }
+  if (last[0] < 0) return margin;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    margin.first[axis] = std::max<Index>(margin.first[axis] - around[axis], 0);
+    margin.last[axis] = std::max<Index>(grid.size[axis] - 1 - last[axis] - around[axis], 0);
+  }
+  return margin;
 }
 
 }  // namespace lefort::anatomy

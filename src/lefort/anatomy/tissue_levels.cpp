@@ -1,4 +1,5 @@
 #include <lefort/anatomy/pad_volume.h>
+#include <lefort/anatomy/separate_levels.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/anatomy/voxel_mask.h>
 
@@ -140,14 +141,15 @@ void cut_to_scan(ScalarVolume& level) {
       }
 }
 
-/// Air in sinuses, their mucosa, and small regions of soft tissue that bone and sinuses enclose.
+/// Air in sinuses, their mucosa, and small regions of soft tissue that skull and sinuses enclose.
+/// The mandible encloses nothing: a joint space is not filled.
 Mask sinus_filling(const PaddedScan& scan) {
   const Mask sinus = scan.where(Tissue::kSinus);
   const ScalarVolume to_sinus = distance_to(sinus);
   const Mask solid = mask_where(scan.grid(), [&](std::size_t v) {
     const Tissue tissue = scan.labels.values[v];
     const bool lining = is_soft_tissue(tissue) && double(to_sinus.values[v]) <= kLining_mm;
-    return is_bone(tissue) || tissue == Tissue::kSinus || lining;
+    return tissue == Tissue::kBone || tissue == Tissue::kSinus || lining;
   });
   const Mask tight = closed(solid, kEntrance_mm);
   const Components rooms = connected_components(
@@ -166,22 +168,59 @@ Mask sinus_filling(const PaddedScan& scan) {
   });
 }
 
-ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities) {
-  const Mask filling = cavities == Cavities::kFillSinuses
-                           ? sinus_filling(scan)
-                           : mask_where(scan.grid(), [](std::size_t) { return false; });
+/// The smoothed function of the bone labeled `tissue` and of `filling`, which may be empty.
+ScalarVolume level_of_label(const PaddedScan& scan, Tissue tissue, const Mask& filling) {
   const double limit_mm =
       clamp_limit_mm(scan.grid(), scan.options.bone_hu - kSoft_hu, kBoneSlope_hu_per_mm);
   const ScalarVolume raw = volume_of(scan.grid(), [&](std::size_t v) {
     const double depth_mm =
         (double(scan.ct.values[v]) - scan.options.bone_hu) / kBoneSlope_hu_per_mm;
-    if (filling.values[v] != 0) return float(limit_mm);
+    if (!filling.values.empty() && filling.values[v] != 0) return float(limit_mm);
     // Marrow is bone whatever its density; dense voxels that are not labeled bone are outside.
-    if (is_bone(scan.labels.values[v]))
+    if (scan.labels.values[v] == tissue)
       return clamped(depth_mm >= 0.0 ? depth_mm : limit_mm, limit_mm);
+    // Another bone is as far outside as this bone is inside: if they touch, zero lies between.
+    if (is_bone(scan.labels.values[v])) return float(-limit_mm);
     return clamped(outside_mm(scan.grid(), depth_mm), limit_mm);
   });
   return without_voxel_steps(raw, scan.options.bone_smoothing_mm, kBoneSteps_voxels);
+}
+
+/// What lies outside of the box in which skull and mandible are separated: it contains the
+/// mandible, all voxels that separate_levels() changes, and those that the Gaussian reads for them.
+Margin around_mandible(const PaddedScan& scan) {
+  constexpr double kChanged_voxels = 5.0;
+  constexpr double kGaussian_sigmas = 4.0;  // At least the length at which it is truncated.
+  std::array<Index, 3> around{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double sigma_voxels = std::max(
+        kBoneSteps_voxels, scan.options.bone_smoothing_mm / scan.grid().spacing_mm[Index(axis)]);
+    around[axis] = Index(std::ceil(kChanged_voxels + kGaussian_sigmas * sigma_voxels));
+  }
+  return margin_around(scan.grid(), around,
+                       [&](std::size_t v) { return scan.labels.values[v] == Tissue::kMandible; });
+}
+
+ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities, Bones bones) {
+  const Mask filling = cavities == Cavities::kFillSinuses ? sinus_filling(scan) : Mask{};
+  ScalarVolume skull = level_of_label(scan, Tissue::kBone, filling);
+  const Margin margin = around_mandible(scan);
+  const bool has_mandible = margin.first[0] < scan.grid().size[0];
+  ScalarVolume near;  // Within the box around the mandible.
+  if (has_mandible) {
+    const PaddedScan jaw{cropped(scan.ct, margin), cropped(scan.labels, margin), scan.options};
+    ScalarVolume mandible = level_of_label(jaw, Tissue::kMandible, {});
+    near = cropped(skull, margin);
+    separate_levels(jaw.where(Tissue::kBone), jaw.where(Tissue::kMandible), near, mandible);
+    if (bones == Bones::kMandible) near = std::move(mandible);
+    if (bones == Bones::kAll)
+      near = volume_of(jaw.grid(),
+                       [&](std::size_t v) { return std::max(near.values[v], mandible.values[v]); });
+  }
+  if (bones == Bones::kMandible)
+    std::fill(skull.values.begin(), skull.values.end(), float(-kLabelClamp_mm));
+  if (has_mandible) paste(near, margin, skull);
+  return skull;
 }
 
 /// Positive where there is no air; airway and sinuses are air.
@@ -218,8 +257,8 @@ void note_dropped(const Components& parts, Progress& progress) {
 }  // namespace
 
 ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels, Cavities cavities,
-                        const LevelOptions& options) {
-  ScalarVolume level = bone_level(padded_scan(ct, labels, options), cavities);
+                        const LevelOptions& options, Bones bones) {
+  ScalarVolume level = bone_level(padded_scan(ct, labels, options), cavities, bones);
   cut_to_scan(level);
   return level;
 }
@@ -265,7 +304,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   });
   const ScalarVolume brain =
       without_voxel_steps(signed_distance(brain_and_table), kLabelBorder_mm, kBoneSteps_voxels);
-  const ScalarVolume bone = bone_level(scan, Cavities::kFillSinuses);
+  const ScalarVolume bone = bone_level(scan, Cavities::kFillSinuses, Bones::kAll);
   const ScalarVolume non_air = non_air_level(scan);
   ScalarVolume level = volume_of(grid, [&](std::size_t v) {
     return std::min({non_air.values[v], -bone.values[v], -brain.values[v]});

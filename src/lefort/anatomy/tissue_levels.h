@@ -22,6 +22,13 @@ enum class Cavities {
   kFillSinuses,
 };
 
+/// Which bones a level-set function contains.
+enum class Bones {
+  kAll,       ///< Skull and mandible, as separate surfaces.
+  kSkull,     ///< The voxels labeled kBone.
+  kMandible,  ///< The voxels labeled kMandible.
+};
+
 /// Thresholds and smoothing. Thresholds must be those of the segmentation.
 struct LevelOptions {
   double bone_hu = 226.0;
@@ -37,12 +44,18 @@ struct LevelOptions {
 
 /// Bone: the surface at `bone_hu` around the voxels labeled as bone, without other dense objects.
 ///
+/// Skull and mandible are smoothed separately and kept apart by separate_levels(), even where their
+/// voxels touch, as in a narrow joint or between teeth. The function of kAll is the maximum of
+/// those of kSkull and kMandible. Only sinuses of the skull are filled.
+///
 /// \param ct        the scan.
 /// \param labels    of the scan. \pre it is on the grid of `ct`.
 /// \param cavities  whether sinuses are filled.
 /// \param options   thresholds and smoothing.
+/// \param bones     which bones; the others are outside.
 [[nodiscard]] image::ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels,
-                                             Cavities cavities, const LevelOptions& options = {});
+                                             Cavities cavities, const LevelOptions& options = {},
+                                             Bones bones = Bones::kAll);
 
 /// The whole patient: the surface at `skin_hu` around everything except the background.
 ///

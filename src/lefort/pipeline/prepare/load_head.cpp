@@ -1,5 +1,6 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/segment_tissue.h>
+#include <lefort/anatomy/tissue_volumes.h>
 #include <lefort/io/import_volume.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
@@ -31,31 +32,9 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
       });
 }
 
-/// The surface of the labeled bone, without that of `excluded`.
-Result<geometry::TriangleMesh> bone_surface(const image::CtVolume& ct, anatomy::LabelMap labels,
-                                            std::optional<anatomy::Tissue> excluded,
-                                            anatomy::Cavities cavities,
-                                            const anatomy::LevelOptions& levels,
-                                            Progress& progress) {
-  if (excluded)
-    std::replace(labels.values.begin(), labels.values.end(), *excluded,
-                 anatomy::Tissue::kSoftTissue);
-  return anatomy::extract_isosurface(anatomy::bone_level(ct, labels, cavities, levels), {},
-                                     progress);
-}
-
-/// The mandible as a bone of its own, if it is labeled.
-Result<std::optional<geometry::TriangleMesh>> mandible_surface(const image::CtVolume& ct,
-                                                               const anatomy::LabelMap& labels,
-                                                               const anatomy::LevelOptions& levels,
-                                                               Progress& progress) {
+bool has_mandible(const anatomy::LabelMap& labels) {
   const auto& values = labels.values;
-  if (std::find(values.begin(), values.end(), anatomy::Tissue::kMandible) == values.end())
-    return std::nullopt;
-  LEFORT_TRY(
-      geometry::TriangleMesh mandible_L,
-      bone_surface(ct, labels, anatomy::Tissue::kBone, anatomy::Cavities::kKeep, levels, progress));
-  return mandible_L;
+  return std::find(values.begin(), values.end(), anatomy::Tissue::kMandible) != values.end();
 }
 
 }  // namespace
@@ -71,14 +50,18 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
   progress.begin_stage("extract surfaces");
   const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
                                      .skin_hu = plan.segmentation.skin_hu};
+  const auto surface_of = [&](anatomy::Cavities cavities, anatomy::Bones bones) {
+    return anatomy::extract_isosurface(
+        anatomy::bone_level(scan.ct, labels, cavities, levels, bones), {}, progress);
+  };
+  const bool is_apart = plan::takes_mandible(plan.segments) && has_mandible(labels);
   std::optional<geometry::TriangleMesh> mandible_L;
-  if (plan::takes_mandible(plan.segments)) {
-    LEFORT_TRY(mandible_L, mandible_surface(scan.ct, labels, levels, progress));
+  if (is_apart) {
+    LEFORT_TRY(mandible_L, surface_of(anatomy::Cavities::kKeep, anatomy::Bones::kMandible));
   }
   LEFORT_TRY(geometry::TriangleMesh skull_L,
-             bone_surface(scan.ct, labels,
-                          mandible_L ? std::optional(anatomy::Tissue::kMandible) : std::nullopt,
-                          anatomy::Cavities::kFillSinuses, levels, progress));
+             surface_of(anatomy::Cavities::kFillSinuses,
+                        is_apart ? anatomy::Bones::kSkull : anatomy::Bones::kAll));
   return ScannedHead{std::move(scan), std::move(ct_sha256), std::move(labels),
                      levels,          std::move(skull_L),   std::move(mandible_L)};
 }
@@ -89,6 +72,19 @@ void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {
       "{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
       "smaller than osteotomy.min_piece_ml or min_piece_fraction, or without an anchor point",
       bones.fragments, bones.fragment_volume_mm3 * 1e-3));
+}
+
+void note_mixed_labels(const anatomy::LabelMap& labels, const std::string& segment,
+                       const geometry::TriangleMesh& segment_L, Progress& progress) {
+  constexpr double kMin_ml = 1.0, kMinFraction = 0.1;  // Less is the blur between two labels.
+  if (!has_mandible(labels)) return;
+  const anatomy::BoneVolumes found = anatomy::bone_volumes_within(labels, segment_L);
+  const double less_ml = std::min(found.skull_ml, found.mandible_ml);
+  if (less_ml < kMin_ml || less_ml < kMinFraction * (found.skull_ml + found.mandible_ml)) return;
+  progress.note(fmt::format(
+      "warning: segment '{}' contains {:.1f} ml labeled as mandible and {:.1f} ml labeled as bone "
+      "of the skull: check the labels at joints and teeth, and the cut",
+      segment, found.mandible_ml, found.skull_ml));
 }
 
 }  // namespace lefort::pipeline

@@ -41,4 +41,9 @@ struct ScannedHead {
 /// Reports fragments: bone within an osteotomy that does not move.
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
+/// Warns of a segment that contains much bone of both labels: the labels at joints or occlusion, or
+/// the cut, are then likely wrong.
+void note_mixed_labels(const anatomy::LabelMap& labels, const std::string& segment,
+                       const geometry::TriangleMesh& segment_L, Progress& progress);
+
 }  // namespace lefort::pipeline

@@ -81,6 +81,9 @@ Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& hea
   for (const geometry::TriangleMesh& segment_L : bones.cut.segments_L)
     plan::append(bones.segments_L, segment_L);
   for (const plan::OsteotomyResult& result : bones.cut.cuts) note_fragments(result, progress);
+  for (std::size_t k = 0; k < plan.segments.size(); ++k)
+    note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, bones.cut.segments_L[k],
+                      progress);
   bones.field_options = plan.field;
   bones.field_options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
   LEFORT_TRY(bones.segments,
