@@ -292,6 +292,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "steps.initial_increment: 0.7 is more than steps.max_increment, 0.5"},
         BadDeck{"TimesAskedForWithoutAny", [](Json& j) { j["steps"].erase("times"); },
                 "output.every: times needs steps.times"},
+        BadDeck{"FieldTwice",
+                [](Json& j) {
+                  j["output"]["fields"] = Json::array();  // Compared in pairs, 3000 took 1.2 GB.
+                  for (int n = 0; n < 20'000; ++n) j["output"]["fields"].push_back("stress");
+                },
+                "output.fields: a field stands twice"},
         BadDeck{"UnknownField", [](Json& j) { j["output"]["fields"][0] = "color"; },
                 "output.fields[0]"},
         BadDeck{"UnknownSolver", [](Json& j) { j["linear_solver"] = "magic"; }, "linear_solver"},

@@ -163,6 +163,27 @@ TEST(SurfaceFiles, ReadsTextVtpWithTwoPiecesAndAStrip) {
         0.0);
 }
 
+TEST(SurfaceFiles, RejectsVtpWithADocumentTypeOrDeepElements) {
+  const TemporaryFolder folder;
+  const std::string rest =
+      "<VTKFile type=\"PolyData\"><PolyData><Piece>&e0;</Piece></PolyData></VTKFile>";
+  std::string entities = "<!ENTITY e100000 \"1\">";
+  for (int n = 0; n < 100'000; ++n)  // expat calls itself for each.
+    entities += "<!ENTITY e" + std::to_string(n) + " \"&e" + std::to_string(n + 1) + ";\">";
+  std::string deep = "<VTKFile type=\"PolyData\">";
+  for (int n = 0; n < 100'000; ++n) deep += "<a>";
+  for (const std::string& bytes :
+       {"<?xml version=\"1.0\"?><!DOCTYPE VTKFile [" + entities + "]>" + rest,
+        "<!DOCTYPE VTKFile>" + rest, deep}) {
+    test::write_bytes(folder / "a.vtp", bytes);
+    const auto surface = read_surface(folder / "a.vtp");
+    ASSERT_FALSE(surface);
+    EXPECT_EQ(surface.error().code, ErrorCode::kFileCorrupt);
+    EXPECT_NE(surface.error().message.find("not a VTK XML file"), std::string::npos)
+        << surface.error().message;
+  }
+}
+
 TEST(SurfaceFiles, ReadsPlyAsTextAndInBothByteOrders) {
   const std::string header =
       " 1.0\nelement camera 1\nproperty list uchar float poses\nelement vertex 3\n"

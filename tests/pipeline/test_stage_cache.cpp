@@ -54,6 +54,26 @@ TEST(StageCache, ADamagedFileIsRebuilt) {
   EXPECT_EQ(stage.made, 2);
 }
 
+TEST(StageCache, AFileWithAWrongBitOrWithoutItsDigestIsRebuilt) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  ASSERT_TRUE(stage.get(kKey));
+  const fs::path file = stage.cache.file("text.txt", kKey);
+  std::string bytes = io::read_text(file, 100).value();
+  bytes[4] ^= 1;  // Still a text: read() has no reason to reject it.
+  ASSERT_TRUE(io::write_text(file, bytes));
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 2);
+  fs::remove(digest_file(file));
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 3);
+  ASSERT_TRUE(io::write_text(digest_file(file), "other text"));
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 4);
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 4);
+}
+
 /// Records stages and notes.
 class RecordedProgress final : public Progress {
  public:
@@ -70,6 +90,16 @@ TEST(StageCache, ReportsWhetherItReadOrComputed) {
   EXPECT_EQ(first.stages, "");
   ASSERT_TRUE(stage.get(kKey, second));
   EXPECT_EQ(second.stages, "read text.txt from the cache");
+}
+
+TEST(StageCache, ReportsADamagedFileInOneLineWithoutItsFolder) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  ASSERT_TRUE(stage.get(kKey));
+  ASSERT_TRUE(io::write_text(stage.cache.file("text.txt", kKey), "something else"));
+  RecordedProgress reported;
+  ASSERT_TRUE(stage.get(kKey, reported));
+  EXPECT_EQ(reported.notes, "aaaaaaaaaaaaaaaa-text.txt is damaged and is computed again");
 }
 
 TEST(StageCache, AResultThatCannotBeCachedIsReturned) {

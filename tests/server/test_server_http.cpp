@@ -361,6 +361,18 @@ TEST(HttpServer, RecognizesLoopbackAddresses) {
     EXPECT_FALSE(is_loopback(host)) << host;
 }
 
+TEST(HttpServer, RejectsAllAddressesHoweverTheyAreSpelled) {
+  test::CaseApi own;
+  for (const char* host : {"0.0.0.0", "0", "0x0", "00.0.0.0", "::", "::0", "::ffff:0.0.0.0"}) {
+    HttpServer server(own.api, {.host = host, .port = 0, .token = kToken, .limits = {}});
+    const auto port = server.bind();
+    ASSERT_FALSE(port) << host;
+    if (std::string(host).find(':') == std::string::npos) {  // IPv6 may be missing here.
+      EXPECT_NE(port.error().message.find("wildcard"), std::string::npos) << port.error().message;
+    }
+  }
+}
+
 TEST(HttpServer, APortInUseIsReported) {
   const Served served;
   test::CaseApi other;

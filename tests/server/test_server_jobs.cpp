@@ -1,6 +1,7 @@
 /// \file
 /// Jobs, events, uploads and the case folder: nothing is lost, nothing leaves the folder.
 #include <lefort/io/segmentation_file.h>
+#include <lefort/io/sha256.h>
 #include <lefort/server/api/contract.h>
 #include <lefort/server/case/event_batcher.h>
 #include <lefort/server/case/event_log.h>
@@ -24,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/sample_scan.h"
 #include "support/call_api.h"
 #include "support/run_program.h"
 #include "support/small_head.h"
@@ -331,6 +333,159 @@ TEST(Uploads, OtherThanScansGiveOneClearLine) {
     EXPECT_EQ(message.find(api.folder.path().string()), std::string::npos) << message;
   }
   EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "failed");
+}
+
+std::map<std::string, std::string> states_of(test::CaseApi& api) {
+  std::map<std::string, std::string> states;
+  const json stages = api.get("/case")["stages"];
+  for (const auto& [name, stage] : stages.items()) states[name] = stage["state"].get<std::string>();
+  return states;
+}
+
+TEST(CaseApi, LandmarksPlanAndPaintOfAnotherScanAreStale) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.put("/landmarks", {{"landmarks", {{"N", {1, 2, 3}}}}}).status, 200);
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  Request paint =
+      test::api_request("PUT", "/boundary/data", "\1",
+                        {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  paint.query["box"] = "3,4,5,1,1,1";
+  ASSERT_LT(api.api.handle(paint).status, 300);
+  const auto expect_states = [&](const std::string& state) {
+    auto states = states_of(api);
+    for (const char* stage : {"landmarks", "plan", "boundary"}) EXPECT_EQ(states[stage], state);
+  };
+  expect_states("fresh");
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");  // The same scan.
+  expect_states("fresh");
+  image::CtVolume other = test::small_head();
+  other.values[1000] = 17;
+  ASSERT_EQ(api.import_volume(other)["state"], "done");
+  expect_states("stale");
+  const json job = api.run({{"kind", "cut"}});
+  EXPECT_NE(job.dump().find("were made on another scan"), std::string::npos) << job.dump(1);
+
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);  // Checked by the user.
+  EXPECT_EQ(states_of(api)["plan"], "fresh");
+  EXPECT_EQ(states_of(api)["landmarks"], "stale");
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");  // The first scan again.
+  EXPECT_EQ(states_of(api)["plan"], "stale");
+  EXPECT_EQ(states_of(api)["landmarks"], "fresh");
+}
+
+/// Cases of earlier versions have no record of the scan.
+TEST(CaseApi, APlanWithoutARecordOfItsScanBecomesStaleWithTheNext) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_TRUE(io::write_text(api.folder / "case/plan.json", test::small_plan().dump()));
+  EXPECT_EQ(states_of(api)["plan"], "fresh");
+  image::CtVolume other = test::small_head();
+  other.values[1000] = 17;
+  ASSERT_EQ(api.import_volume(other)["state"], "done");
+  EXPECT_EQ(states_of(api)["plan"], "stale");
+}
+
+TEST(CaseFolder, ScanAndDescriptionChangeTogether) {
+  const test::TemporaryFolder folder;
+  const fs::path root = folder / "case";
+  const std::string old_scan = "the old scan", new_scan = "the new scan";
+  const auto put = [&](const fs::path& at, const std::string& scan, const char* title) {
+    fs::create_directories(at);
+    test::write_bytes(at / "ct.nrrd", scan);
+    test::write_bytes(
+        at / "case.json",
+        json({{"ct_sha256", io::sha256_of_file(at / "ct.nrrd").value()}, {"title", title}}).dump());
+  };
+  const auto title = [&] { return CaseFolder::open(root).value().describe().value("title", ""); };
+  const auto scan = [&] { return io::read_text(root / "ct.nrrd", 100).value(); };
+  put(root, old_scan, "old");
+  put(root / "import", new_scan, "new");  // Interrupted while it was prepared.
+  EXPECT_EQ(title(), "old");
+  EXPECT_EQ(scan(), old_scan);
+  EXPECT_FALSE(fs::exists(root / "import"));
+
+  put(root / "imported", new_scan, "new");  // Interrupted before the first move, ...
+  EXPECT_EQ(title(), "new");
+  EXPECT_EQ(scan(), new_scan);
+  EXPECT_FALSE(fs::exists(root / "imported"));
+
+  put(root, old_scan, "old");
+  put(root / "imported", new_scan, "new");
+  fs::rename(root / "imported/ct.nrrd", root / "ct.nrrd");  // ... between the moves.
+  EXPECT_EQ(title(), "new");
+  EXPECT_EQ(scan(), new_scan);
+
+  test::write_bytes(root / "ct.nrrd", "a scan that was put here by hand");
+  EXPECT_EQ(title(), "");
+}
+
+TEST(CaseFolder, RemovesUnfinishedFilesOfAKilledProcess) {
+  const test::TemporaryFolder folder;
+  const fs::path unfinished = folder / "case/prediction/paraview/.partial-0123-step.vtu";
+  fs::create_directories(unfinished.parent_path());
+  test::write_bytes(unfinished, "half");
+  test::write_bytes(unfinished.parent_path() / "step.vtu", "whole");
+  ASSERT_TRUE(CaseFolder::open(folder / "case"));
+  EXPECT_FALSE(fs::exists(unfinished));
+  EXPECT_TRUE(fs::exists(unfinished.parent_path() / "step.vtu"));
+}
+
+TEST(CaseApi, DeeplyNestedDocumentsOfACaseFolderAreIgnored) {
+  const test::TemporaryFolder folder;
+  const std::string nested = std::string(200'000, '[') + std::string(200'000, ']');
+  fs::create_directories(folder / "case/jobs");
+  fs::create_directories(folder / "case/prediction");
+  test::write_bytes(folder / "case/plan.json", R"({"segments":[],"x":)" + nested + "}");
+  test::write_bytes(folder / "case/prediction/prediction.json", R"({"inputs":)" + nested + "}");
+  test::write_bytes(folder / "case/stages.json", R"({"prediction":)" + nested + "}");
+  test::write_bytes(folder / "case/case.json", R"({"scan":)" + nested + "}");
+  const std::string record =
+      R"("kind":"cut","parameters":{},"state":"done","stage":"","fraction":1,"lines":[],)"
+      R"("message":"","created":"","ended":null,"result":)";
+  test::write_bytes(folder / "case/jobs/1.json", R"({"id":1,)" + record + nested + "}");
+  test::write_bytes(folder / "case/jobs/2147483647.json",
+                    R"({"id":2147483647,)" + record + "null}");
+  test::CaseApi api({}, folder / "case");
+  EXPECT_EQ(api.call_api("GET", "/case").status, 200);
+  EXPECT_EQ(api.call_api("GET", "/plan/poses").status, 422);
+  EXPECT_EQ(json::parse(api.call_api("POST", "/jobs", R"({"kind":"cut"})").text)["id"], 1);
+}
+
+TEST(CaseApi, ErrorsDoNotContainTheFolderOfTheCase) {
+  test::CaseApi api;
+  // A folder in the way of each file, so that it cannot be written.
+  for (const char* name : {"plan.json", "landmarks.mrk.json"})
+    fs::create_directories(api.folder / "case" / name / "in the way");
+  for (const Response& reply : {api.put("/plan", test::small_plan()),
+                                api.put("/landmarks", {{"landmarks", {{"N", {1, 2, 3}}}}})}) {
+    EXPECT_EQ(reply.status, 507) << reply.text;
+    EXPECT_EQ(reply.text.find(api.folder.path().string()), std::string::npos) << reply.text;
+  }
+}
+
+TEST(CaseApi, EightClientsReadLabelsAtOnce) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  const std::string labels = body_of(api.call_api("GET", "/labels/data"));
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> clients;
+  for (int client = 0; client < 8; ++client)
+    clients.emplace_back([&, client] {
+      for (int n = 0; n < 100; ++n) {
+        if (client == 0) {  // A wrong file among the good ones.
+          const Response reply =
+              api.call_api("PUT", "/boundary/file", "NRRD0004\n" + std::string(2000, 'A'),
+                           {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+          if (reply.status != 422) ++wrong;
+        } else if (body_of(api.call_api("GET", "/labels/data")) != labels) {
+          ++wrong;
+        }
+      }
+    });
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 /// The page knows the new keys only.

@@ -1,6 +1,7 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/deprecated_options.h>
 #include <lefort/app/run_program.h>
+#include <lefort/core/printable.h>
 #include <lefort/core/version.h>
 
 #include <fmt/format.h>
@@ -46,7 +47,7 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? kExitDone : kExitUsage;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lefort: {}\n", error.what());
+    fmt::print(stderr, "lefort: {}\n", printable(error.what()));
     return kExitFailed;
   }
   return context.exit_code;

@@ -257,6 +257,8 @@ Result<void> read_results(const Json& json, DeckFile& file) {
     return refuse("output.every", "times needs steps.times");
   if (const auto fields = output.find("fields"); fields != output.end()) {
     const auto chosen = fields->get<std::set<std::string>>();
+    // Not a rule of the schema: the validator compares all pairs and keeps a message for each.
+    if (chosen.size() != fields->size()) return refuse("output.fields", "a field stands twice");
     file.fields = {.displacement = chosen.contains("displacement"),
                    .stress = chosen.contains("stress"),
                    .volume_ratio = chosen.contains("volume_ratio"),

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/raw_volume.h>
 #include <lefort/io/segmentation_file.h>
@@ -247,7 +248,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
   if (!is_segmentation_file(source))
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("{}: the file does not end in .seg.nrrd", naming.file));
-  LEFORT_TRY(const RawVolume raw, read_raw_volume(source));
+  LEFORT_TRY(const RawVolume raw, read_raw_volume(source, progress));
   LEFORT_TRY(const std::vector<Segment<Label>> segments, read_segments(raw, naming));
 
   image::Volume<Label> labels{

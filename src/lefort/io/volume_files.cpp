@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/hounsfield.h>
 #include <lefort/io/internal/raw_volume.h>
@@ -14,7 +15,7 @@ bool is_volume_file(const std::filesystem::path& file) {
 Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& progress) {
   progress.begin_stage("read the scan");
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
-  LEFORT_TRY(const RawVolume raw, read_raw_volume(file));
+  LEFORT_TRY(const RawVolume raw, read_raw_volume(file, progress));
   if (raw.components != 1)
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("the voxels have {} values, expected 1", raw.components));

@@ -29,7 +29,7 @@ fs::path temporary_name(const fs::path& target) {
   std::random_device random;
   const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
   return target.parent_path() /
-         fmt::format(".partial-{:016x}-{}", number, target.filename().string());
+         fmt::format("{}{:016x}-{}", kPartialPrefix, number, target.filename().string());
 }
 
 /// Syncs the file to disk and closes it; closing alone does not guarantee writing.

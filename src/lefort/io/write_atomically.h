@@ -12,6 +12,9 @@
 
 namespace lefort::io {
 
+/// How the names of unfinished files begin.
+inline constexpr const char* kPartialPrefix = ".partial-";
+
 /// Calls `write` with a temporary file in the folder of `target`, then renames it to `target`.
 ///
 /// The temporary name is unpredictable and has the ending of `target`, by which writers choose a

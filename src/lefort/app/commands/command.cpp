@@ -1,6 +1,7 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/terminal_progress.h>
 #include <lefort/core/parallel.h>
+#include <lefort/core/printable.h>
 
 #include <fmt/format.h>
 
@@ -16,14 +17,14 @@ void CommandContext::run(const std::string& command,
     summary = work(progress);
   }
   if (!summary) {
-    fmt::print(stderr, "lefort {}: {}\n", command, summary.error().message);
+    fmt::print(stderr, "lefort {}: {}\n", command, printable(summary.error().message));
     exit_code = kExitFailed;
     return;
   }
   if (json) {
     fmt::print("{}\n", summary->json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    fmt::print("{}\n", summary->text);
+    fmt::print("{}\n", printable(summary->text, LineBreaks::kKept));
   }
 }
 

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/terminal_progress.h>
+#include <lefort/core/printable.h>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -26,6 +27,8 @@ extern "C" void on_interrupt(int signal) {
 void stop_on_interrupt() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
+  // A closed terminal, so that temporary files are removed; nohup ignores it.
+  if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 TerminalProgress::TerminalProgress(bool quiet)
@@ -36,7 +39,7 @@ TerminalProgress::~TerminalProgress() { end_stage(); }
 void TerminalProgress::begin_stage(std::string_view name) {
   if (seconds_in_stage() < kNoTime_s) in_stage_ = false;  // An empty stage is not shown.
   end_stage();
-  stage_ = name;
+  stage_ = printable(name);
   in_stage_ = true;
   shown_percent_ = -1;
   begun_ = std::chrono::steady_clock::now();
@@ -57,7 +60,7 @@ void TerminalProgress::report(double fraction) {
 
 void TerminalProgress::note(std::string_view sentence) {
   clear_line();
-  fmt::print(stderr, "{}\n", sentence);
+  fmt::print(stderr, "{}\n", printable(sentence));
   shown_percent_ = -1;
 }
 

@@ -33,10 +33,10 @@ class Collector {
   static void on_text(void* self, const char* text, int length) {
     static_cast<Collector*>(self)->text_.append(text, static_cast<std::size_t>(length));
   }
-  /// Entities can expand small XML to large text; property lists need none.
-  static void on_entity(void* self, const char*, int, const char*, int, const char*, const char*,
-                        const char*, const char*) {
-    XML_StopParser(static_cast<Collector*>(self)->parser_, XML_FALSE);
+  /// The document type of property lists declares nothing itself. Entities, which another one can
+  /// declare, expand small XML to large text.
+  static void on_doctype(void* self, const char*, const char*, const char*, int declares) {
+    if (declares != 0) XML_StopParser(static_cast<Collector*>(self)->parser_, XML_FALSE);
   }
 
  private:
@@ -96,7 +96,7 @@ Result<FlatPlist> read_plist(std::string_view xml) {
   XML_SetUserData(parser.get(), &collector);
   XML_SetElementHandler(parser.get(), Collector::on_start, Collector::on_end);
   XML_SetCharacterDataHandler(parser.get(), Collector::on_text);
-  XML_SetEntityDeclHandler(parser.get(), Collector::on_entity);
+  XML_SetStartDoctypeDeclHandler(parser.get(), Collector::on_doctype);
   if (XML_Parse(parser.get(), xml.data(), static_cast<int>(xml.size()), XML_TRUE) != XML_STATUS_OK)
     return fail(ErrorCode::kFileCorrupt, fmt::format("the property list is damaged in line {}",
                                                      XML_GetCurrentLineNumber(parser.get())));

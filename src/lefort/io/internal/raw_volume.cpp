@@ -1,7 +1,8 @@
+#include <lefort/core/check.h>
 #include <lefort/image/check_grid.h>
-#include <lefort/io/internal/check_volume_file.h>
 #include <lefort/io/internal/raw_volume.h>
 #include <lefort/io/internal/silence_libraries.h>
+#include <lefort/io/internal/volume_header.h>
 #include <lefort/io/write_atomically.h>
 
 // ITK contains an older Eigen, which conflicts with the system's unless that is included first.
@@ -34,7 +35,7 @@ using Component = itk::CommonEnums::IOComponent;
 struct Ending {
   const char* text;
   VolumeFormat format;
-  bool one_file;  ///< Header and voxels in one file: can be written, and its size checked.
+  bool one_file;  ///< Header and voxels in one file: can be written.
 };
 
 constexpr std::array<Ending, 7> kEndings{{
@@ -74,36 +75,6 @@ itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
   return nullptr;
 }
 
-std::optional<ScalarType> scalar_type(Component component) {
-  static_assert(sizeof(long) == 8, "ITK's LONG must have 64 bits");  // NOLINT
-  switch (component) {
-    case Component::CHAR:
-      return ScalarType::kInt8;
-    case Component::UCHAR:
-      return ScalarType::kUint8;
-    case Component::SHORT:
-      return ScalarType::kInt16;
-    case Component::USHORT:
-      return ScalarType::kUint16;
-    case Component::INT:
-      return ScalarType::kInt32;
-    case Component::UINT:
-      return ScalarType::kUint32;
-    case Component::LONG:
-    case Component::LONGLONG:
-      return ScalarType::kInt64;
-    case Component::ULONG:
-    case Component::ULONGLONG:
-      return ScalarType::kUint64;
-    case Component::FLOAT:
-      return ScalarType::kFloat;
-    case Component::DOUBLE:
-      return ScalarType::kDouble;
-    default:
-      return std::nullopt;
-  }
-}
-
 Component component_type(ScalarType type) {
   switch (type) {
     case ScalarType::kUint8:
@@ -119,78 +90,21 @@ Component component_type(ScalarType type) {
   return Component::UNKNOWNCOMPONENTTYPE;
 }
 
-std::map<std::string, std::string> text_fields(const itk::MetaDataDictionary& dictionary) {
-  std::map<std::string, std::string> fields;
-  for (const std::string& key : dictionary.GetKeys())
-    if (std::string text; itk::ExposeMetaData(dictionary, key, text)) fields.emplace(key, text);
-  return fields;
-}
-
-image::Grid grid_of(const itk::ImageIOBase& io) {
-  image::Grid grid;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    grid.size[axis] = static_cast<Index>(io.GetDimensions(axis));
-    grid.spacing_mm[axis] = io.GetSpacing(axis);
-    grid.origin_L[axis] = io.GetOrigin(axis);
-    const std::vector<double> column = io.GetDirection(axis);
-    for (unsigned row = 0; row < 3; ++row) grid.direction(row, axis) = column[row];
-  }
-  return grid;
-}
-
-/// check_grid() that also allows left-handed grids.
-Result<void> check_either_hand(image::Grid grid) {
-  if (grid.direction.determinant() < 0.0) grid.direction.col(2) *= -1.0;
-  return check_grid(grid);
-}
-
 // Messages contain the format of the file but not its name, which may be that of a patient.
 Error in_file(VolumeFormat format, const Error& error) {
   return {error.code, fmt::format("{} file: {}", name_of(format), error.message)};
 }
 
-Error corrupt(VolumeFormat format, std::string why) {
-  return in_file(format, {ErrorCode::kFileCorrupt, std::move(why)});
-}
-
-Error unsupported(VolumeFormat format, std::string why) {
-  return in_file(format, {ErrorCode::kFileUnsupported, std::move(why)});
-}
-
-/// Reads the header before memory is allocated.
-Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const Ending& ending) {
-  Result<void> good;
-  if (ending.format == VolumeFormat::kNifti) good = check_nifti(file);
-  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd_voxel_file(file);
-  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
-  try {
-    io.SetFileName(file.string());
-    io.ReadImageInformation();
-  } catch (const std::exception&) {
-    return tl::unexpected(
-        corrupt(ending.format, fmt::format("the header cannot be read, expected that of a {} file",
-                                           name_of(ending.format))));
-  }
-  if (io.GetNumberOfDimensions() != 3)
-    return tl::unexpected(unsupported(
-        ending.format,
-        fmt::format("the image has {} dimensions, expected 3", io.GetNumberOfDimensions())));
-  const std::optional<ScalarType> type = scalar_type(io.GetComponentType());
-  if (!type)
-    return tl::unexpected(
-        unsupported(ending.format, "the voxels are not numbers, expected numbers"));
-
-  RawVolume raw;
-  raw.grid = grid_of(io);
-  raw.type = *type;
-  raw.components = static_cast<Index>(io.GetNumberOfComponents());
-  raw.fields = text_fields(io.GetMetaDataDictionary());
-  if (good = check_either_hand(raw.grid); !good)
-    return tl::unexpected(in_file(ending.format, good.error()));
-  if (raw.components < 1 || raw.components > 256)
-    return tl::unexpected(unsupported(
-        ending.format, fmt::format("the voxels have {} values, expected 1", raw.components)));
-  return raw;
+Result<RawVolume> read_by_format(const fs::path& file, VolumeFormat format, Progress& progress) {
+  if (format == VolumeFormat::kNifti) return read_nifti(file, progress);
+  LEFORT_TRY(VolumeHeader header,
+             format == VolumeFormat::kNrrd ? read_nrrd_header(file) : read_metaimage_header(file));
+  LEFORT_TRY_VOID(check_either_hand(header.volume.grid));
+  if (header.volume.components < 1 || header.volume.components > 256)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the voxels have {} values, expected 1", header.volume.components));
+  LEFORT_TRY_VOID(read_voxels(header, progress));
+  return std::move(header.volume);
 }
 
 }  // namespace
@@ -211,51 +125,17 @@ const char* name_of(VolumeFormat format) {
   return "unknown";
 }
 
-Result<RawVolume> read_raw_volume(const fs::path& file) {
-  const Ending& ending = volume_ending(file);
-  if (ending.format == VolumeFormat::kNone)
+Result<RawVolume> read_raw_volume(const fs::path& file, Progress& progress) {
+  const VolumeFormat format = volume_format(file);
+  if (format == VolumeFormat::kNone)
     return fail(ErrorCode::kFileUnsupported,
                 "the file must end in .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd");
   std::error_code error;
   if (!fs::is_regular_file(file, error))
-    return tl::unexpected(
-        in_file(ending.format,
-                {ErrorCode::kFileNotFound, "the file does not exist or is not a regular file"}));
-  const std::uintmax_t file_bytes = fs::file_size(file, error);
-
-  const SilenceLibraries silence;
-  const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
-  LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
-  const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
-  if (ending.one_file && (error || bytes / kMaxGzipRatio > file_bytes))
-    return tl::unexpected(corrupt(
-        ending.format, fmt::format("the header states {} bytes of voxels, the file has {} bytes",
-                                   bytes, file_bytes)));
-  Result<void> good;
-  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd(file, bytes);
-  if (ending.format == VolumeFormat::kMetaImage)
-    good = check_metaimage(file, bytes, raw.grid.direction);
-  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
-  // Zeroed, so that no other memory of the process becomes voxels. The system provides zeroed pages
-  // on first use, so a wrong size in the header costs no memory.
-  raw.bytes.reset(static_cast<std::byte*>(std::calloc(std::max<std::size_t>(bytes, 1), 1)));
-  if (raw.bytes == nullptr)
-    return tl::unexpected(
-        corrupt(ending.format, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
-  try {
-    itk::ImageIORegion all(3);
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      all.SetIndex(axis, 0);
-      all.SetSize(axis, io->GetDimensions(axis));
-    }
-    io->SetIORegion(all);
-    io->Read(raw.bytes.get());
-  } catch (const std::bad_alloc&) {
-    return tl::unexpected(corrupt(ending.format, "the voxels do not fit into memory"));
-  } catch (const std::exception&) {
-    return tl::unexpected(
-        corrupt(ending.format, "the voxels cannot be read: truncated or damaged"));
-  }
+    return tl::unexpected(in_file(
+        format, {ErrorCode::kFileNotFound, "the file does not exist or is not a regular file"}));
+  Result<RawVolume> raw = read_by_format(file, format, progress);
+  if (!raw) return tl::unexpected(in_file(format, raw.error()));
   return raw;
 }
 

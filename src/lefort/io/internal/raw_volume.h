@@ -3,8 +3,8 @@
 /// header fields. No other file uses ITK's readers and writers.
 #pragma once
 
-#include <lefort/core/check.h>
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/image/volume.h>
 
 #include <cstddef>
@@ -46,36 +46,46 @@ struct RawVolume {
   [[nodiscard]] Index value_count() const { return grid.voxel_count() * components; }
 };
 
+/// Returns use(T()), T being the C++ type of `type`.
+template <class Use>
+decltype(auto) with_type(ScalarType type, const Use& use) {
+  switch (type) {
+    case ScalarType::kInt8:
+      return use(std::int8_t{});
+    case ScalarType::kUint8:
+      return use(std::uint8_t{});
+    case ScalarType::kInt16:
+      return use(std::int16_t{});
+    case ScalarType::kUint16:
+      return use(std::uint16_t{});
+    case ScalarType::kInt32:
+      return use(std::int32_t{});
+    case ScalarType::kUint32:
+      return use(std::uint32_t{});
+    case ScalarType::kInt64:
+      return use(std::int64_t{});
+    case ScalarType::kUint64:
+      return use(std::uint64_t{});
+    case ScalarType::kFloat:
+      return use(float{});
+    case ScalarType::kDouble:
+      break;
+  }
+  return use(double{});
+}
+
+/// Bytes of a value.
+[[nodiscard]] inline std::size_t scalar_bytes(ScalarType type) {
+  return with_type(type, [](auto value) { return sizeof(value); });
+}
+
 /// Calls use(std::span<const T>) with the values of `raw`, T being their type.
 template <class Use>
 void with_values(const RawVolume& raw, const Use& use) {
-  const auto as = [&]<class T>(const T*) {
+  with_type(raw.type, [&]<class T>(T) {
     use(std::span<const T>(reinterpret_cast<const T*>(raw.bytes.get()),
                            static_cast<std::size_t>(raw.value_count())));
-  };
-  switch (raw.type) {
-    case ScalarType::kInt8:
-      return as(static_cast<const std::int8_t*>(nullptr));
-    case ScalarType::kUint8:
-      return as(static_cast<const std::uint8_t*>(nullptr));
-    case ScalarType::kInt16:
-      return as(static_cast<const std::int16_t*>(nullptr));
-    case ScalarType::kUint16:
-      return as(static_cast<const std::uint16_t*>(nullptr));
-    case ScalarType::kInt32:
-      return as(static_cast<const std::int32_t*>(nullptr));
-    case ScalarType::kUint32:
-      return as(static_cast<const std::uint32_t*>(nullptr));
-    case ScalarType::kInt64:
-      return as(static_cast<const std::int64_t*>(nullptr));
-    case ScalarType::kUint64:
-      return as(static_cast<const std::uint64_t*>(nullptr));
-    case ScalarType::kFloat:
-      return as(static_cast<const float*>(nullptr));
-    case ScalarType::kDouble:
-      return as(static_cast<const double*>(nullptr));
-  }
-  LEFORT_CHECK(!"a scalar type is missing above");
+  });
 }
 
 /// File formats of volumes.
@@ -87,10 +97,12 @@ enum class VolumeFormat { kNone, kNrrd, kNifti, kMetaImage };
 
 /// Reads a three-dimensional volume whose file states its position in the patient.
 ///
-/// \param file  with one of the endings of VolumeFormat.
-/// \returns the volume, kFileNotFound, kFileUnsupported or kFileCorrupt; the message does not
-///   contain the file name.
-[[nodiscard]] Result<RawVolume> read_raw_volume(const std::filesystem::path& file);
+/// \param file      with one of the endings of VolumeFormat.
+/// \param progress  requests to stop.
+/// \returns the volume, kFileNotFound, kFileUnsupported, kFileCorrupt or kCancelled; the message
+///   does not contain the file name.
+[[nodiscard]] Result<RawVolume> read_raw_volume(const std::filesystem::path& file,
+                                                Progress& progress = Progress::none());
 
 /// A volume to write; does not own `values`.
 struct RawVolumeView {

@@ -1,14 +1,7 @@
-#include <lefort/io/internal/check_volume_file.h>
-
-#include <fmt/format.h>
+#include <lefort/io/internal/volume_header.h>
 
 namespace lefort::io {
 namespace fs = std::filesystem;
-
-Error missing_voxels(std::uint64_t found, std::uint64_t expected) {
-  return {ErrorCode::kFileCorrupt,
-          fmt::format("there are {} bytes of voxels, expected {}", found, expected)};
-}
 
 Result<fs::path> sibling_file(const fs::path& header, std::string_view name) {
   while (name.starts_with("./")) name.remove_prefix(2);
@@ -28,7 +21,7 @@ Result<fs::path> sibling_file(const fs::path& header, std::string_view name) {
 }
 
 std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
+  constexpr std::string_view kSpace = " \t";
   const std::size_t first = text.find_first_not_of(kSpace);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);

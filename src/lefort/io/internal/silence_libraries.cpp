@@ -29,10 +29,13 @@ class NoStream : public std::streambuf {
 
 NoStream no_stream;
 
+// State of the process, as that of the libraries is.
+std::mutex one_at_a_time;
+
 }  // namespace
 
 SilenceLibraries::SilenceLibraries()
-    : cerr_(std::cerr.rdbuf(&no_stream)), cout_(std::cout.rdbuf(&no_stream)) {
+    : turn_(one_at_a_time), cerr_(std::cerr.rdbuf(&no_stream)), cout_(std::cout.rdbuf(&no_stream)) {
   itk::OutputWindow::SetInstance(NoOutputWindow::New());
 }
 

@@ -1,13 +1,15 @@
 /// \file
-/// Suppresses the output of ITK and MetaIO, so that invalid input causes one error message only.
+/// Suppresses the output of ITK, and lets one thread at a time use its writers.
 #pragma once
 
+#include <mutex>
 #include <streambuf>
 
 namespace lefort::io {
 
-/// Suppresses the output of these libraries while it lives. Not thread-safe: it redirects std::cerr
-/// and std::cout, to which some of them write directly.
+/// Suppresses the output of ITK's writers while it lives. They share state between threads (the
+/// output window, NrrdIO's list of errors) and print to std::cerr and std::cout, which are
+/// redirected: only one thread of the process has such an object, others wait for it.
 class SilenceLibraries {
  public:
   SilenceLibraries();
@@ -16,6 +18,7 @@ class SilenceLibraries {
   SilenceLibraries& operator=(const SilenceLibraries&) = delete;
 
  private:
+  std::unique_lock<std::mutex> turn_;
   std::streambuf* cerr_;
   std::streambuf* cout_;
 };

@@ -27,6 +27,7 @@ constexpr std::size_t kFreeBytes = std::size_t(64) << 20;
 constexpr std::size_t kBytesForOne = 64;
 constexpr int kMaxPieces = 1000;
 constexpr std::size_t kMaxArrays = 20'000;
+constexpr std::size_t kMaxOpenElements = 64;
 
 using Attributes = std::map<std::string, std::string>;
 
@@ -55,10 +56,17 @@ struct RawArray {
 
 /// State of the XML parser.
 struct Document {
+  XML_Parser parser = nullptr;
   Attributes file;  ///< Of the VTKFile element.
   std::vector<RawArray> arrays;
   std::vector<std::string> open;  ///< Open elements.
   int pieces = 0;
+
+  /// Elements of a hostile file are short: without a limit, each costs a hundred times its bytes.
+  void stop_if_too_large() const {
+    if (arrays.size() > kMaxArrays || open.size() > kMaxOpenElements)
+      XML_StopParser(parser, XML_FALSE);
+  }
 };
 
 Attributes attributes_of(const XML_Char** names_and_values) {
@@ -77,6 +85,13 @@ void on_start(void* data, const XML_Char* name, const XML_Char** attributes) {
     document.arrays.push_back(
         {attributes_of(attributes), document.open.back(), document.pieces, {}});
   document.open.push_back(element);
+  document.stop_if_too_large();
+}
+
+/// VTK's files have no document type. Entities, which only it can declare, expand small files to
+/// large texts, and expat 2.5 calls itself for each that is inside another (CVE-2024-8176).
+void on_doctype(void* data, const XML_Char*, const XML_Char*, const XML_Char*, int) {
+  XML_StopParser(static_cast<Document*>(data)->parser, XML_FALSE);
 }
 
 void on_end(void* data, const XML_Char* /*name*/) { static_cast<Document*>(data)->open.pop_back(); }
@@ -93,7 +108,9 @@ std::optional<Document> parse_document(std::string_view xml) {
   const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr),
                                                                        XML_ParserFree);
   Document document;
+  document.parser = parser.get();
   XML_SetUserData(parser.get(), &document);
+  XML_SetStartDoctypeDeclHandler(parser.get(), on_doctype);
   XML_SetElementHandler(parser.get(), on_start, on_end);
   XML_SetCharacterDataHandler(parser.get(), on_text);
   constexpr std::size_t kChunk = std::size_t(1) << 28;  // expat counts in int.

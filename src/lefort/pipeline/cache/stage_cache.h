@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/pipeline/cache/file_digest.h>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,8 @@
 namespace lefort::pipeline {
 
 /// A folder of intermediate results. Files are written atomically, so an interrupted run leaves
-/// only complete files.
+/// only complete files. Beside each is its SHA-256, which is checked before the file is read: most
+/// formats have no checksum, and a wrong bit of a mesh moves the predicted face unnoticed.
 class StageCache {
  public:
   explicit StageCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -25,8 +27,9 @@ class StageCache {
     return folder_ / fmt::format("{}-{}", key.substr(0, 16), name);
   }
 
-  /// Reads a cached result, as a stage of its own, or computes and stores it. A damaged file is
-  /// computed again; a result that cannot be stored is returned, with a note.
+  /// Reads a cached result, as a stage of its own, or computes and stores it. A file that is
+  /// damaged or has another SHA-256 is computed again, with a note; a result that cannot be stored
+  /// is returned, with a note.
   ///
   /// \param read   returns Result<T> from a path.
   /// \param make   returns Result<T>.
@@ -40,14 +43,17 @@ class StageCache {
     std::error_code error;
     if (std::filesystem::exists(path, error)) {
       progress.begin_stage(fmt::format("read {} from the cache", name));
-      if (auto kept = read(path)) return kept;
-      progress.note(fmt::format("{} is damaged and is computed again", path.string()));
+      if (check_digest(path))
+        if (auto kept = read(path)) return kept;
+      progress.note(fmt::format("{} is damaged and is computed again", path.filename().string()));
     }
     auto made = make();
     if (!made) return made;
     std::filesystem::create_directories(folder_, error);
-    if (const Result<void> kept = write(path, *made); !kept)
-      progress.note(fmt::format("{} is not cached: {}", name, kept.error().message));
+    std::filesystem::remove(digest_file(path), error);
+    Result<void> kept = write(path, *made);
+    if (kept) kept = write_digest(path);
+    if (!kept) progress.note(fmt::format("{} is not cached: {}", name, kept.error().message));
     return made;
   }
 

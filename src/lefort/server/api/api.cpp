@@ -41,6 +41,18 @@ std::optional<PathValues> match(std::string_view pattern, std::string_view path)
   return values;
 }
 
+/// Removes the case folder from an error: the names of folders may be those of patients.
+Response without_folder(Response reply, const fs::path& folder) {
+  if (reply.status < 400) return reply;
+  const std::string quoted = nlohmann::json(folder.string() + "/")
+                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string root = quoted.substr(1, quoted.size() - 2);  // As in the text of the reply.
+  for (std::size_t at = reply.text.find(root); at != std::string::npos;
+       at = reply.text.find(root, at))
+    reply.text.erase(at, root.size());
+  return reply;
+}
+
 /// All groups of routes, in the order in which a case is worked on.
 constexpr std::span<const Route> (*kGroups[])() = {
     case_routes,       job_routes,        scan_routes, boundary_routes,
@@ -90,7 +102,8 @@ Response Api::handle(const Request& request) {
     for (const Route& route : group()) {
       const auto values = match(route.path, path);
       if (!values) continue;
-      if (route.method == request.method) return route.handle(*served_, request, *values);
+      if (route.method == request.method)
+        return without_folder(route.handle(*served_, request, *values), folder());
       is_other_method = true;
     }
   if (is_other_method)

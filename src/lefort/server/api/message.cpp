@@ -1,3 +1,4 @@
+#include <lefort/core/printable.h>
 #include <lefort/server/api/message.h>
 
 #include <algorithm>
@@ -11,9 +12,8 @@ std::string dump(const nlohmann::json& json) {
 
 std::string one_line(std::string_view text, std::size_t longest) {
   std::string line(text.substr(0, longest));
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return line;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return printable(line);
 }
 
 }  // namespace

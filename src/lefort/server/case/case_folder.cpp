@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::size_t kEtagDigits = 16;
+constexpr int kMaxDepth = 64;  // Of JSON in a case folder; those of the program have 12 levels.
 
 json state(const char* name, std::string why, const std::optional<std::string>& etag) {
   return {{"state", name}, {"why", std::move(why)}, {"etag", etag ? json(*etag) : json()}};
@@ -65,6 +66,33 @@ std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
   return "";
 }
 
+/// Whether brackets outside of strings are open more than kMaxDepth deep.
+bool is_deep(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t at = 0; at < text.size() && depth <= kMaxDepth; ++at) {
+    const char c = text[at];
+    if (in_string && c == '\\') ++at;
+    if (c == '"') in_string = !in_string;
+    if (in_string) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+  }
+  return depth > kMaxDepth;
+}
+
+/// Removes files that a killed process was writing (io/write_atomically).
+void remove_partial_files(const fs::path& root) {
+  std::error_code error;
+  std::vector<fs::path> partial;
+  for (fs::recursive_directory_iterator entry(root, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->is_regular_file(error) &&
+        entry->path().filename().string().starts_with(io::kPartialPrefix))
+      partial.push_back(entry->path());
+  for (const fs::path& file : partial) fs::remove(file, error);
+}
+
 const char* in_words(const std::string& input) {
   if (input == "ct") return "the scan was replaced after this was computed";
   if (input == "labels")
@@ -82,9 +110,13 @@ bool there_is(const fs::path& file) {
   return fs::is_regular_file(file, error);
 }
 
+json parse_limited(std::string_view text) {
+  return is_deep(text) ? json(json::value_t::discarded) : json::parse(text, nullptr, false);
+}
+
 json read_object(const fs::path& file) {
   const auto text = io::read_text(file, kMaxDocument);
-  json object = text ? json::parse(*text, nullptr, false) : json();
+  json object = text ? parse_limited(*text) : json();
   return object.is_object() ? object : json::object();
 }
 
@@ -107,8 +139,13 @@ Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
     return fail(ErrorCode::kFileUnwritable,
                 fmt::format("case folder {} is in use by another lefort serve", folder.string()));
   }
-  fs::remove_all(root / "uploads", error);  // Left by a server that was killed.
-  return CaseFolder(root, lock);
+  CaseFolder opened(root, lock);
+  // Left by a server that was killed.
+  fs::remove_all(opened.uploads(), error);
+  fs::remove_all(opened.import_folder(), error);
+  if (fs::exists(opened.imported(), error)) LEFORT_TRY_VOID(opened.finish_import());
+  remove_partial_files(root);
+  return opened;
 }
 
 CaseFolder::CaseFolder(fs::path root, int lock)
@@ -173,7 +210,7 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   }
   const auto text = io::read_text(plan(), kMaxDocument);
   if (!text) return std::nullopt;
-  const json plan_json = json::parse(*text, nullptr, false);
+  const json plan_json = parse_limited(*text);
   if (!check_files_of_plan(*text)) return std::nullopt;
   if (stage == "cut" || stage == "preview") {
     io::Sha256 sum;
@@ -192,9 +229,53 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
 }
 
 Result<void> CaseFolder::record_inputs(std::string_view stage, const Inputs& inputs) {
+  const std::scoped_lock lock(*mutex_);  // Requests and jobs record.
   json all = read_object(root_ / "stages.json");
   all[std::string(stage)] = inputs;
   return io::write_text(root_ / "stages.json", all.dump(1) + "\n");
+}
+
+Result<void> CaseFolder::record_scan(std::string_view stage) {
+  const auto ct_sha256 = fingerprint(ct());
+  return record_inputs(stage, ct_sha256 ? Inputs{{"ct", *ct_sha256}} : Inputs{});
+}
+
+Result<void> CaseFolder::replace_scan(const fs::path& prepared) {
+  const json recorded = read_object(root_ / "stages.json");
+  const std::pair<const char*, fs::path> made_on_scan[] = {
+      {"landmarks", landmarks()}, {"plan", plan()}, {"boundary", boundary()}};
+  for (const auto& [stage, file] : made_on_scan)  // Without a record: of the scan until now.
+    if (there_is(file) && !member(member(recorded, stage), "ct").is_string())
+      LEFORT_TRY_VOID(record_scan(stage));
+  std::error_code error;
+  fs::remove_all(imported(), error);
+  fs::rename(prepared, imported(), error);  // From now on, the new scan is that of the case.
+  if (error)
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("the scan cannot be stored: {}", error.message()));
+  return finish_import();
+}
+
+Result<void> CaseFolder::finish_import() const {
+  std::error_code error, failure;
+  for (const fs::path& file : {ct(), description()}) {
+    const fs::path from = imported() / file.filename();
+    if (!fs::exists(from, error)) continue;  // Moved before an interruption.
+    fs::rename(from, file, error);
+    if (error) failure = error;
+  }
+  if (failure)
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("the scan cannot be stored: {}", failure.message()));
+  fs::remove_all(imported(), error);
+  return {};
+}
+
+json CaseFolder::describe() const {
+  json found = read_object(description());
+  const json& sha256 = member(found, "ct_sha256");
+  if (sha256.is_string() && sha256 != fingerprint(ct()).value_or("")) return json::object();
+  return found;
 }
 
 Result<void> CaseFolder::forget_result(std::string_view stage) const {
@@ -226,10 +307,15 @@ json CaseFolder::stage(std::string_view stage) const {
   }();
   if (!there_is(document)) return state("missing", kNothing, std::nullopt);
   const auto tag = etag(document);
-  if (stage == "scan" || stage == "landmarks" || stage == "plan" || stage == "boundary")
-    return state("fresh", "", tag);
+  if (stage == "scan") return state("fresh", "", tag);
 
   const json recorded_inputs = read_object(root_ / "stages.json");
+  if (stage == "landmarks" || stage == "plan" || stage == "boundary") {
+    const json& scan = member(member(recorded_inputs, std::string(stage).c_str()), "ct");
+    if (scan.is_string() && scan != fingerprint(ct()).value_or(""))
+      return state("stale", "made on another scan: check each against this one and save it", tag);
+    return state("fresh", "", tag);
+  }
   if (const json& then = member(recorded_inputs, std::string(stage).c_str()); then.is_object()) {
     const auto now = inputs_of(stage);
     if (!now) return state("stale", "an input of this result was removed", tag);
@@ -255,7 +341,7 @@ bool names_boundary(const json& plan) {
 }
 
 Result<void> check_files_of_plan(const std::string& text) {
-  json plan = json::parse(text, nullptr, false);
+  json plan = parse_limited(text);
   if (!plan.is_object() || !member(plan, "segments").is_array())
     return fail(ErrorCode::kPlanInvalid, "the plan is not a JSON object with segments");
   for (const json& segment : plan["segments"])

@@ -50,6 +50,8 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
   [[nodiscard]] std::filesystem::path uploads() const { return root_ / "uploads"; }
+  /// Where a scan and its description are prepared for replace_scan().
+  [[nodiscard]] std::filesystem::path import_folder() const { return root_ / "import"; }
 
   /// SHA-256 of a file, cached until stat() changes; nothing if there is no such file.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
@@ -68,6 +70,21 @@ class CaseFolder {
   /// Stores the fingerprints of the inputs of a stage.
   [[nodiscard]] Result<void> record_inputs(std::string_view stage, const Inputs& inputs);
 
+  /// Stores that landmarks, plan or painted boundary conditions were made on the present scan. They
+  /// are stale with another one.
+  ///
+  /// \param stage  "landmarks", "plan", "boundary".
+  [[nodiscard]] Result<void> record_scan(std::string_view stage);
+
+  /// Replaces scan and description together by those of a folder, which is moved. An interruption
+  /// leaves those before or, after the next open(), the new ones.
+  ///
+  /// \param prepared  import_folder() with ct.nrrd and case.json.
+  [[nodiscard]] Result<void> replace_scan(const std::filesystem::path& prepared);
+
+  /// The description of the scan; empty if it is missing or that of another scan.
+  [[nodiscard]] nlohmann::json describe() const;
+
   /// Removes the documents that mark a stage as computed, so that those of an earlier job are not
   /// taken for results of the inputs that are stored next.
   ///
@@ -79,6 +96,10 @@ class CaseFolder {
 
  private:
   explicit CaseFolder(std::filesystem::path root, int lock);
+
+  /// The import folder after the decision; its files are moved to their places.
+  [[nodiscard]] std::filesystem::path imported() const { return root_ / "imported"; }
+  [[nodiscard]] Result<void> finish_import() const;
 
   /// Identifies a version of a file. A time alone can be set back, or be too coarse.
   struct Identity {
@@ -101,6 +122,10 @@ inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 
 /// Whether `file` is a regular file.
 [[nodiscard]] bool there_is(const std::filesystem::path& file);
+
+/// Parses JSON of a case folder; the result is discarded() if it is none or is nested too deeply:
+/// copying and writing values call themselves for each level.
+[[nodiscard]] nlohmann::json parse_limited(std::string_view text);
 
 /// The JSON object in a file; empty if the file is missing or damaged.
 [[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);

@@ -1,4 +1,5 @@
 #include <lefort/io/plan_file.h>
+#include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/compare.h>
 #include <lefort/pipeline/import.h>
@@ -54,8 +55,12 @@ std::string without_paths(std::string text, const CaseFolder& folder) {
 }
 
 Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, Progress& progress) {
-  const CaseFolder& folder = context.folder;
-  pipeline::ImportJob import{{}, folder.ct(), job.parameters.value("series", 0)};
+  CaseFolder& folder = context.folder;
+  std::error_code error;
+  fs::remove_all(folder.import_folder(), error);
+  fs::create_directory(folder.import_folder(), error);
+  const fs::path ct = folder.import_folder() / folder.ct().filename();
+  pipeline::ImportJob import{{}, ct, job.parameters.value("series", 0)};
   const bool is_example = job.parameters.contains("example");
   const std::string upload = job.parameters.value("upload", "");
   if (is_example) {
@@ -68,18 +73,25 @@ Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, P
     if (!source) return fail(ErrorCode::kFileNotFound, "no such upload, or the upload is empty");
     import.source = *source;
   }
-  LEFORT_TRY(const pipeline::Summary summary, pipeline::import_scan(import, progress));
+  LEFORT_TRY(pipeline::Summary summary, pipeline::import_scan(import, progress));
+  LEFORT_TRY(const std::string ct_sha256, io::sha256_of_file(ct));
   const json description{{"lefort_case", 1},
+                         {"ct_sha256", ct_sha256},
                          {"title", is_example ? "Example: Cranium of InVesalius" : ""},
                          {"scan",
                           {{"source_kind", summary.json["source_kind"]},
                            {"size", summary.json["size_voxels"]},
                            {"spacing_mm", summary.json["spacing_mm"]},
                            {"warnings", summary.json["warnings"]}}}};
-  LEFORT_TRY_VOID(io::write_text(folder.description(), description.dump(1) + "\n"));
-  std::error_code error;
-  if (is_example && !fs::exists(folder.landmarks(), error))
+  LEFORT_TRY_VOID(io::write_text(folder.import_folder() / folder.description().filename(),
+                                 description.dump(1) + "\n"));
+  LEFORT_TRY_VOID(folder.replace_scan(folder.import_folder()));
+  if (const std::size_t at = summary.text.find(ct.string()); at != std::string::npos)
+    summary.text.replace(at, ct.string().size(), folder.ct().string());
+  if (is_example && !fs::exists(folder.landmarks(), error)) {
     LEFORT_TRY_VOID(io::write_text(folder.landmarks(), kExampleLandmarks));
+    LEFORT_TRY_VOID(folder.record_scan("landmarks"));
+  }
   if (!is_example) static_cast<void>(context.uploads.remove(upload));
   return reported(summary);
 }
@@ -109,8 +121,16 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
 /// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
 /// removed first: `work` can fail before it removes them, and they would be taken for new ones.
 template <class Work>
-Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
+Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, Progress& progress,
+                            const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
+  for (const char* input : {"landmarks", "plan", "boundary"})
+    if (folder.stage(input)["state"] == "stale")
+      progress.note(fmt::format("warning: the {} of this case were made on another scan",
+                                std::string_view(input) == "boundary"
+                                    ? "painted boundary conditions"
+                                : std::string_view(input) == "plan" ? "movements of the plan"
+                                                                    : "landmarks"));
   LEFORT_TRY_VOID(folder.forget_result(stage));
   auto inputs = folder.inputs_of(stage);
   if (inputs) LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
@@ -127,7 +147,7 @@ Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Wo
 
 Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
-  return as_stage(folder, "cut", [&]() -> Result<JobOutcome> {
+  return as_stage(folder, "cut", progress, [&]() -> Result<JobOutcome> {
     LEFORT_TRY(
         const pipeline::Summary summary,
         pipeline::cut_plan({folder.plan(), folder.ct(), folder.cache(), folder.cut()}, progress));
@@ -137,7 +157,7 @@ Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress
 
 Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
-  return as_stage(folder, "check", [&]() -> Result<JobOutcome> {
+  return as_stage(folder, "check", progress, [&]() -> Result<JobOutcome> {
     pipeline::CheckPlanJob check{.plan = folder.plan(),
                                  .ct = folder.ct(),
                                  .skull = {},
@@ -154,7 +174,7 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
 
 Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
-  return as_stage(folder, "preview", [&]() -> Result<JobOutcome> {
+  return as_stage(folder, "preview", progress, [&]() -> Result<JobOutcome> {
     LEFORT_TRY(const pipeline::Summary summary,
                pipeline::prepare_preview({folder.plan(), folder.ct(), folder.cache(),
                                           folder.anatomy() / "skin.vtp", folder.preview()},
@@ -197,7 +217,7 @@ json step_json(int job, const predict::PredictionStep& step, int steps) {
 Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
-  return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
+  return as_stage(folder, "prediction", progress, [&]() -> Result<JobOutcome> {
     context.history.begin(job.id);
     // The history is updated before listeners are notified.
     EventBatcher iterates([&](json batch) {

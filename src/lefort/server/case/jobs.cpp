@@ -1,5 +1,7 @@
 #include <lefort/core/check.h>
+#include <lefort/core/printable.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/jobs.h>
 
 #include <fmt/chrono.h>
@@ -18,6 +20,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
+constexpr int kLastId = 1'000'000'000;  // The next one is still a number of the contract.
 constexpr std::size_t kMaxLines = 200;  // As the contract says.
 constexpr std::size_t kMaxQueued = 8;
 constexpr std::size_t kMaxKept = 100;            // Records on disk; the oldest go.
@@ -34,7 +37,7 @@ std::string utc_now() {
 std::optional<JobRecord> read_record(const fs::path& file) {
   const auto text = io::read_text(file, kMaxRecord);
   if (!text) return std::nullopt;
-  const json stored = json::parse(*text, nullptr, false);
+  const json stored = parse_limited(*text);
   if (!stored.is_object()) return std::nullopt;
   try {
     JobRecord job;
@@ -50,7 +53,8 @@ std::optional<JobRecord> read_record(const fs::path& file) {
     if (stored.contains("has_findings")) job.has_findings = stored["has_findings"].get<bool>();
     job.created = stored.at("created").get<std::string>();
     if (stored.at("ended").is_string()) job.ended = stored["ended"].get<std::string>();
-    if (job.id > 0 && file.filename() == fmt::format("{}.json", job.id)) return job;
+    if (job.id > 0 && job.id <= kLastId && file.filename() == fmt::format("{}.json", job.id))
+      return job;
   } catch (const json::exception&) {  // Not a record: ignored.
   }
   return std::nullopt;
@@ -93,7 +97,7 @@ class Jobs::Listener final : public Progress {
     change([&](JobRecord& job) { job.fraction = std::clamp(fraction, 0.0, 1.0); });
   }
   void note(std::string_view sentence) override {
-    std::string line(sentence.substr(0, kLongestLine));
+    std::string line = printable(sentence.substr(0, kLongestLine));
     change(
         [&](JobRecord& job) {
           job.lines.push_back(line);
@@ -285,7 +289,7 @@ void Jobs::work_on() {
     if (outcome) {
       job.state = "done";
       job.fraction = 1.0;
-      job.message = outcome->message;
+      job.message = printable(outcome->message, LineBreaks::kKept);
       job.result = outcome->result;
       job.has_findings = outcome->has_findings;
     } else if (outcome.error().code == ErrorCode::kCancelled) {
@@ -293,7 +297,7 @@ void Jobs::work_on() {
       job.message = "cancelled";
     } else {
       job.state = "failed";
-      job.message = outcome.error().message;
+      job.message = printable(outcome.error().message);
     }
     keep(job);
     notify(job);

@@ -45,6 +45,24 @@ class LimitedServer final : public httplib::Server {
   /// httplib has a backlog of five; other clients would wait for a second or more.
   void set_listen_backlog() { ::listen(svr_sock_, limits_.waiting); }
 
+  /// Whether the bound address stands for all addresses of the machine, however it was spelled.
+  [[nodiscard]] bool is_wildcard() const {
+    sockaddr_storage bound{};
+    socklen_t size = sizeof(bound);
+    if (::getsockname(svr_sock_, reinterpret_cast<sockaddr*>(&bound), &size) != 0) return true;
+    if (bound.ss_family == AF_INET)
+      return reinterpret_cast<const sockaddr_in&>(bound).sin_addr.s_addr == htonl(INADDR_ANY);
+    const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(bound).sin6_addr;
+    return IN6_IS_ADDR_UNSPECIFIED(&v6) ||
+           (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr32[3] == htonl(INADDR_ANY));
+  }
+
+  /// Closes the bound socket without listening.
+  void close_socket() {
+    ::close(svr_sock_);
+    svr_sock_ = INVALID_SOCKET;
+  }
+
   /// Called with each request after its header; may change it.
   std::function<void(httplib::Request&)> on_header;
 
@@ -65,7 +83,11 @@ class LimitedServer final : public httplib::Server {
     for (std::size_t n = 1; n <= kRequestsPerConnection; ++n) {
       if (!connection.wait_for_request()) break;
       bool is_closed = false;
-      is_served = process_request(connection, n == kRequestsPerConnection, is_closed, on_header);
+      try {
+        is_served = process_request(connection, n == kRequestsPerConnection, is_closed, on_header);
+      } catch (const std::exception&) {  // A reply may need more memory than there is.
+        is_served = false;
+      }
       if (!is_served || is_closed || connection.must_close) break;
     }
     current = nullptr;
@@ -309,11 +331,6 @@ HttpServer::~HttpServer() { stop(); }
 Result<int> HttpServer::bind() {
   Parts& parts = *parts_;
   const HttpOptions& options = parts.options;
-  if (options.host == "0.0.0.0" || options.host == "::")
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("--host {} is a wildcard address, by which requests cannot be checked: "
-                            "use the address that browsers open",
-                            options.host));
   // Not SO_REUSEPORT, httplib's default: another program could receive half of the requests.
   parts.server.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -328,6 +345,13 @@ Result<int> HttpServer::bind() {
                 options.port == 0 ? fmt::format("no port of {} is free", options.host)
                                   : fmt::format("port {} of {} cannot be bound; it may be in use",
                                                 options.port, options.host));
+  if (parts.server.is_wildcard()) {
+    parts.server.close_socket();
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--host {} is a wildcard address, by which requests cannot be checked: "
+                            "use the address that browsers open",
+                            options.host));
+  }
   parts.server.set_listen_backlog();
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
   if (!is_loopback(options.host)) names.push_back(lower_case(in_address(options.host)));

@@ -201,6 +201,8 @@ Response keep(ServedCase& served, const Request& request, const BoundaryLabelMap
   if (const auto written = io::write_boundary_labels(served.folder.boundary(), cropped(painted));
       !written)
     return error_response(written.error());
+  if (const auto recorded = served.folder.record_scan("boundary"); !recorded)
+    return error_response(recorded.error());
   served.report_stages();
   return with_etag(empty_reply(), served.folder.etag(served.folder.boundary()));
 }

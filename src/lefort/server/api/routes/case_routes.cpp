@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 
 Response get_case(ServedCase& served, const Request&, const PathValues&) {
-  const json description = read_object(served.folder.description());
+  const json description = served.folder.describe();
   const bool has_scan = there_is(served.folder.ct()) && description.contains("scan");
   return json_response({{"lefort_case", 1},
                         {"title", description.value("title", "")},

@@ -51,6 +51,8 @@ Response put_landmarks(ServedCase& served, const Request& request, const PathVal
     if (!checked) return error_response(checked.error(), "landmarks");
     if (const auto written = io::write_landmarks(served.folder.landmarks(), *checked); !written)
       return error_response(written.error());
+    if (const auto recorded = served.folder.record_scan("landmarks"); !recorded)
+      return error_response(recorded.error());
   }
   served.report_stages();
   return with_etag(json_response(*body.value), served.folder.etag(served.folder.landmarks()));

@@ -39,6 +39,8 @@ Response put_plan(ServedCase& served, const Request& request, const PathValues&)
     return *refused;
   if (const auto written = io::write_text(served.folder.plan(), body.text); !written)
     return error_response(written.error());
+  if (const auto recorded = served.folder.record_scan("plan"); !recorded)
+    return error_response(recorded.error());
   served.report_stages();
   json names = json::array();
   for (const plan::PlannedSegment& segment : plan->segments)

@@ -1,0 +1,21 @@
+/// \file
+/// Text of files and libraries for a terminal or a log.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace lefort {
+
+enum class LineBreaks { kReplaced, kKept };
+
+/// Replaces control characters by "?": a terminal would execute them. Those are the bytes below
+/// 0x20 but the tab, 0x7f, and U+0080 to U+009F in UTF-8.
+///
+/// \param text         in UTF-8 or any other text.
+/// \param line_breaks  whether "\n" stays.
+/// \returns the text.
+[[nodiscard]] std::string printable(std::string_view text,
+                                    LineBreaks line_breaks = LineBreaks::kReplaced);
+
+}  // namespace lefort

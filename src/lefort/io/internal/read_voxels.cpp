@@ -1,0 +1,191 @@
+#include <lefort/image/check_grid.h>
+#include <lefort/io/internal/header_lines.h>
+#include <lefort/io/internal/volume_header.h>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <span>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kVoxelChunk = 1 << 20;
+/// The longest number of a text has 24 characters; the rest is white space.
+constexpr std::uint64_t kMaxTextPerValue = 64;
+
+Error damaged_voxels() {
+  return {ErrorCode::kFileCorrupt, "the compressed voxels are truncated or damaged"};
+}
+
+Error stopped() { return {ErrorCode::kCancelled, "reading the voxels was stopped"}; }
+
+/// The stored bytes in order.
+class StoredBytes {
+ public:
+  StoredBytes(const fs::path& file, std::uint64_t begin, std::uint64_t count)
+      : stream_(file, std::ios::binary), left_(count), chunk_(kVoxelChunk) {
+    stream_.seekg(static_cast<std::streamoff>(begin));
+  }
+  /// Reads `target.size()` bytes; false if there are fewer.
+  bool read(std::span<std::byte> target) {
+    if (target.size() > left_) return false;
+    left_ -= target.size();
+    stream_.read(reinterpret_cast<char*>(target.data()), std::streamsize(target.size()));
+    return bool(stream_);
+  }
+  /// Returns the next bytes, at most one megabyte; nothing at the end.
+  std::span<char> next() {
+    const auto wanted = std::size_t(std::min<std::uint64_t>(left_, chunk_.size()));
+    stream_.read(chunk_.data(), std::streamsize(wanted));
+    left_ -= std::uint64_t(stream_.gcount());
+    return std::span(chunk_).first(std::size_t(stream_.gcount()));
+  }
+  [[nodiscard]] std::uint64_t left() const { return left_; }
+
+ private:
+  std::ifstream stream_;
+  std::uint64_t left_;
+  std::vector<char> chunk_;
+};
+
+Result<void> copy_voxels(StoredBytes& stored, std::span<std::byte> target, Progress& progress) {
+  for (std::size_t at = 0; at < target.size(); at += kVoxelChunk) {
+    if (progress.stop_requested()) return tl::unexpected(stopped());
+    if (!stored.read(target.subspan(at, std::min(kVoxelChunk, target.size() - at))))
+      return fail(ErrorCode::kFileCorrupt, "the voxels cannot be read to their end");
+  }
+  return {};
+}
+
+/// Decompresses a zlib stream or the members of a gzip file, which must fill `target` exactly, with
+/// valid checksums.
+///
+/// \param is_exact  there is one stream, and no byte after it.
+Result<void> inflate_voxels(StoredBytes& stored, std::span<std::byte> target, bool is_exact,
+                            Progress& progress) {
+  z_stream zip{};
+  if (inflateInit2(&zip, 15 + 32) != Z_OK) return tl::unexpected(damaged_voxels());  // Either kind.
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> cleanup(&zip, inflateEnd);
+  std::byte surplus{};  // Where bytes beyond the expected ones would go.
+  std::size_t at = 0;
+  const auto refill = [&] {
+    if (zip.avail_in > 0) return true;
+    const std::span<char> packed = stored.next();
+    zip.next_in = reinterpret_cast<Bytef*>(packed.data());
+    zip.avail_in = static_cast<uInt>(packed.size());
+    return !packed.empty();
+  };
+  while (true) {
+    if (progress.stop_requested()) return tl::unexpected(stopped());
+    if (!refill()) return tl::unexpected(damaged_voxels());
+    const std::size_t step = std::min(kVoxelChunk, target.size() - at);
+    zip.next_out = reinterpret_cast<Bytef*>(step > 0 ? target.data() + at : &surplus);
+    zip.avail_out = static_cast<uInt>(std::max<std::size_t>(step, 1));
+    const uInt room = zip.avail_out;
+    const int state = inflate(&zip, Z_NO_FLUSH);
+    const uInt written = room - zip.avail_out;
+    if ((state != Z_OK && state != Z_STREAM_END) || (step == 0 && written > 0))
+      return tl::unexpected(damaged_voxels());
+    if (step > 0) at += written;
+    if (state != Z_STREAM_END) continue;
+    if (at == target.size()) break;
+    if (is_exact || !refill() || inflateReset(&zip) != Z_OK)
+      return tl::unexpected(damaged_voxels());
+  }
+  if (is_exact && (zip.avail_in > 0 || stored.left() > 0)) return tl::unexpected(damaged_voxels());
+  return {};
+}
+
+/// Parses as many numbers as `target` has values of type T.
+template <class T>
+bool parse_voxels(std::string_view text, std::span<std::byte> target) {
+  for (std::size_t at = 0; at < target.size(); at += sizeof(T)) {
+    const auto value = exact_numbers<T>(internal::take_word(text), 1);
+    if (!value) return false;
+    std::memcpy(target.data() + at, value->data(), sizeof(T));
+  }
+  return internal::take_word(text).empty();
+}
+
+Result<void> parse_text(StoredBytes& stored, ScalarType type, std::span<std::byte> target) {
+  std::string text(std::size_t(stored.left()), '\0');
+  const bool is_good = stored.read(std::as_writable_bytes(std::span(text))) &&
+                       with_type(type, [&]<class T>(T) { return parse_voxels<T>(text, target); });
+  if (!is_good)
+    return fail(ErrorCode::kFileCorrupt,
+                "the text of the voxels does not have one number of their type for each");
+  return {};
+}
+
+/// Whether `stored` bytes can contain the voxels, so that a wrong size in the header costs no time.
+bool can_contain(std::uint64_t stored, VoxelEncoding encoding, std::uint64_t bytes,
+                 std::uint64_t values) {
+  switch (encoding) {
+    case VoxelEncoding::kRaw:
+      return stored >= bytes;
+    case VoxelEncoding::kDeflated:
+      return stored >= bytes / kMaxGzipRatio;
+    case VoxelEncoding::kText:
+      break;
+  }
+  return stored + 1 >= 2 * values && stored / kMaxTextPerValue <= values;
+}
+
+}  // namespace
+
+Result<void> check_either_hand(image::Grid grid) {
+  if (grid.direction.determinant() < 0.0) grid.direction.col(2) *= -1.0;
+  return check_grid(grid);
+}
+
+void reverse_bytes(std::span<std::byte> bytes, std::size_t width) {
+  for (std::size_t at = 0; at + width <= bytes.size(); at += width)
+    std::reverse(bytes.begin() + std::ptrdiff_t(at), bytes.begin() + std::ptrdiff_t(at + width));
+}
+
+Error missing_voxels(std::uint64_t found, std::uint64_t expected) {
+  return {ErrorCode::kFileCorrupt,
+          fmt::format("there are {} bytes of voxels, expected {}", found, expected)};
+}
+
+Result<void> read_voxels(VolumeHeader& header, Progress& progress) {
+  RawVolume& volume = header.volume;
+  const VoxelStorage& storage = header.storage;
+  const auto values = static_cast<std::uint64_t>(volume.value_count());
+  const std::size_t width = scalar_bytes(volume.type);
+  const std::uint64_t bytes = values * width;
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(storage.file, error);
+  std::uint64_t begin = storage.begin;
+  if (storage.is_at_end) begin = std::max(begin, size - std::min(size, bytes));
+  const std::uint64_t found = error || size < begin ? 0 : size - begin;
+  if (!can_contain(found, storage.encoding, bytes, values))
+    return tl::unexpected(missing_voxels(found, bytes));
+  if (storage.bytes && *storage.bytes != found) return tl::unexpected(damaged_voxels());
+
+  // Zeroed, so that no other memory of the process becomes voxels. The system provides zeroed pages
+  // on first use, so a wrong size in the header costs no memory.
+  volume.bytes.reset(static_cast<std::byte*>(std::calloc(std::max<std::size_t>(bytes, 1), 1)));
+  if (volume.bytes == nullptr)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} bytes of voxels do not fit into memory", bytes));
+  const std::span<std::byte> target(volume.bytes.get(), bytes);
+  StoredBytes stored(storage.file, begin, found);
+  if (storage.encoding == VoxelEncoding::kText) return parse_text(stored, volume.type, target);
+  if (storage.encoding == VoxelEncoding::kRaw)
+    LEFORT_TRY_VOID(copy_voxels(stored, target, progress));
+  if (storage.encoding == VoxelEncoding::kDeflated)
+    LEFORT_TRY_VOID(inflate_voxels(stored, target, storage.is_one_stream, progress));
+  if (storage.is_big_endian != (std::endian::native == std::endian::big))
+    reverse_bytes(target, width);
+  return {};
+}
+
+}  // namespace lefort::io

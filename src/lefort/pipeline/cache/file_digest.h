@@ -1,0 +1,23 @@
+/// \file
+/// Checksums beside cached files.
+#pragma once
+
+#include <lefort/core/error.h>
+
+#include <filesystem>
+
+namespace lefort::pipeline {
+
+/// The file with the SHA-256 of `file`, as `sha256sum` writes it.
+[[nodiscard]] std::filesystem::path digest_file(const std::filesystem::path& file);
+
+/// Writes digest_file(). To be called when `file` is complete; the earlier one must be removed
+/// before `file` is replaced.
+///
+/// \returns nothing or kFileUnwritable.
+[[nodiscard]] Result<void> write_digest(const std::filesystem::path& file);
+
+/// \returns nothing if the bytes of `file` have the stored SHA-256, otherwise kFileCorrupt.
+[[nodiscard]] Result<void> check_digest(const std::filesystem::path& file);
+
+}  // namespace lefort::pipeline
