@@ -38,7 +38,7 @@ Json good_plan() {
                "element_size_mm": 3},
     "boundary": {"interface": "bonded", "scan_boundary": "fixed", "cut_boundary": "foundation",
                  "foundation_mm": 30, "elevation_margin_mm": 5, "joint_margin_mm": 6,
-                 "interface_layer_mm": 0.5, "contact_snap_mm": 0.7,
+                 "interface_layer_mm": 0.5, "contact_snap_mm": 0.7, "lips": "joined",
                  "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
                 "penetration_tolerance_mm": 0.05},
@@ -76,6 +76,7 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.boundary.joint_margin_mm, 6.0);
   EXPECT_EQ(plan.boundary.interface_layer_mm, 0.5);
   EXPECT_EQ(plan.boundary.contact_snap_mm, 0.7);
+  EXPECT_EQ(plan.boundary.lips, predict::Lips::kJoined);
   EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kBvh);

@@ -103,6 +103,7 @@ void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
       "interface",
       std::array{TissueInterface::kClinical, TissueInterface::kBonded, TissueInterface::kContact},
       options.interface);
+  choose("lips", std::array{predict::Lips::kSeparate, predict::Lips::kJoined}, options.lips);
   for (const auto& [key, value] : {std::pair{"scan_boundary", &options.scan_boundary},
                                    std::pair{"cut_boundary", &options.cut_boundary}})
     choose(key,

@@ -1,9 +1,9 @@
 #include <lefort/core/check.h>
+#include <lefort/mesh/internal/disjoint_sets.h>
 #include <lefort/mesh/largest_face_connected_part.h>
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 #include <span>
 
 namespace lefort::mesh {
@@ -11,34 +11,15 @@ namespace {
 
 using Tet = std::array<std::int32_t, 4>;  // Sorted nodes.
 
-/// Union-find: each set is represented by its first item.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t(0));
-  }
-  std::size_t find(std::size_t item) {
-    while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
-    return item;
-  }
-  void unite(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-  /// \returns for each item whether it is in the largest set; among equals, in the first.
-  std::vector<bool> largest() {
-    std::vector<std::size_t> size(parent_.size(), 0);
-    for (std::size_t i = 0; i < size.size(); ++i) ++size[find(i)];
-    const auto name = std::size_t(std::max_element(size.begin(), size.end()) - size.begin());
-    std::vector<bool> is_in(parent_.size());
-    for (std::size_t i = 0; i < is_in.size(); ++i) is_in[i] = find(i) == name;
-    return is_in;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
+/// \returns for each item whether it is in the largest set; among equals, in the first.
+std::vector<bool> largest(internal::DisjointSets& sets) {
+  std::vector<std::size_t> size(sets.size(), 0);
+  for (std::size_t i = 0; i < size.size(); ++i) ++size[sets.find(i)];
+  const auto name = std::size_t(std::max_element(size.begin(), size.end()) - size.begin());
+  std::vector<bool> is_in(sets.size());
+  for (std::size_t i = 0; i < is_in.size(); ++i) is_in[i] = sets.find(i) == name;
+  return is_in;
+}
 
 /// \returns all subsets of n nodes (3: faces, 2: edges, 1: nodes) of all tetrahedra, each with its
 /// tetrahedron.
@@ -65,11 +46,11 @@ bool share_face(const Tet& a, const Tet& b) {
 }
 
 void keep_largest(std::vector<Tet>& tets, std::vector<std::size_t>& original) {
-  DisjointSets parts(tets.size());
+  internal::DisjointSets parts(tets.size());
   const auto faces = corners_of<3>(tets);
   for (std::size_t f = 1; f < faces.size(); ++f)
     if (faces[f].first == faces[f - 1].first) parts.unite(faces[f].second, faces[f - 1].second);
-  const std::vector<bool> is_in = parts.largest();
+  const std::vector<bool> is_in = largest(parts);
   std::size_t kept = 0;
   for (std::size_t t = 0; t < tets.size(); ++t) {
     if (!is_in[t]) continue;
@@ -88,12 +69,12 @@ void mark_hinged(const std::vector<Tet>& tets, std::vector<bool>& hinged) {
   for (std::size_t first = 0; first < corners.size();) {
     std::size_t end = first + 1;
     while (end < corners.size() && corners[end].first == corners[first].first) ++end;
-    DisjointSets around(end - first);
+    internal::DisjointSets around(end - first);
     for (std::size_t i = first; i < end; ++i)
       for (std::size_t j = i + 1; j < end; ++j)
         if (share_face(tets[corners[i].second], tets[corners[j].second]))
           around.unite(i - first, j - first);
-    const std::vector<bool> is_in = around.largest();
+    const std::vector<bool> is_in = largest(around);
     for (std::size_t i = first; i < end; ++i)
       if (!is_in[i - first]) hinged[corners[i].second] = true;
     first = end;

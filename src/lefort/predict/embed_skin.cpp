@@ -4,9 +4,12 @@
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/separate_lips.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
+#include <vector>
 
 namespace lefort::predict {
 namespace {
@@ -27,6 +30,24 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   return {1.0 - beta - gamma, beta, gamma};
 }
 
+/// Boundary faces that the skin can lie on: where the lips touch each other there is none.
+std::vector<mesh::Face> faces_but_lips(const mesh::VolumeMesh& tissue) {
+  std::vector<mesh::Face> faces = mesh::boundary_faces(tissue);
+  std::set<std::vector<std::int32_t>> lips;
+  const auto key = [](const mesh::Face& face) {
+    const auto nodes = mesh::nodes_of(face);
+    std::vector<std::int32_t> sorted(nodes.begin(), nodes.end());
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  for (const char* name : {sets::kUpperLip, sets::kLowerLip})
+    if (const auto set = tissue.face_sets.find(name); set != tissue.face_sets.end())
+      for (const mesh::Face& face : set->second) lips.insert(key(face));
+  if (!lips.empty())
+    std::erase_if(faces, [&](const mesh::Face& face) { return lips.contains(key(face)); });
+  return faces;
+}
+
 }  // namespace
 
 double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm) {
@@ -38,7 +59,7 @@ SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::Volum
                          double near_mm) {
   LEFORT_CHECK(near_mm > 0.0);
   const double far_mm = 4.0 * near_mm;
-  const std::vector<mesh::Face3> faces = mesh::triangles_of(mesh::boundary_faces(tissue));
+  const std::vector<mesh::Face3> faces = mesh::triangles_of(faces_but_lips(tissue));
   const geometry::Bvh boundary({tissue.nodes_L, faces});
 
   SkinEmbedding embedding;

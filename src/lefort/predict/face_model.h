@@ -6,6 +6,7 @@
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/interface_map.h>
+#include <lefort/predict/separate_lips.h>
 
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,7 @@ struct FaceModel {
   std::optional<MovedSegment> stationary_bone = std::nullopt;
   /// Conditions of the tissue boundary. Empty: those of the sets alone.
   InterfaceMap interface = {};
+  LipSlit lips = {};
 };
 
 /// Assigns each node to the segment with the closest surface at rest; of equally close segments, to

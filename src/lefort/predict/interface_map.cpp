@@ -3,6 +3,7 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/predict/distance_to_label.h>
 #include <lefort/predict/interface_map.h>
+#include <lefort/predict/separate_lips.h>
 #include <lefort/predict/skin_faces.h>
 #include <lefort/predict/tissue_boundary.h>
 
@@ -67,8 +68,7 @@ InterfaceCondition condition_of(OuterBoundary boundary) {
 }
 
 /// The rules, and what they measure. Tissue is bonded to bone and slides on teeth (\cite kim2017);
-/// teeth lie within the height of their crowns of the opposite jaw (\cite magne2003). Lips do not
-/// slide on each other (as in \cite kim2021).
+/// teeth lie within the height of their crowns of the opposite jaw (\cite magne2003).
 class InterfaceRules {
  public:
   InterfaceRules(const anatomy::LabelMap& labels, const InterfaceBones& bones,
@@ -271,12 +271,26 @@ const InterfaceRuleStyle& style_of(InterfaceRule rule) {
   return kInterfaceRules.front();
 }
 
+namespace {
+
+/// Nodes where the lips touch: air reaches them between the lips.
+std::vector<char> nodes_of_lips(const mesh::VolumeMesh& tissue) {
+  std::vector<char> is_on_lip(tissue.nodes_L.size(), 0);
+  for (const char* name : {sets::kUpperLip, sets::kLowerLip})
+    if (const auto set = tissue.node_sets.find(name); set != tissue.node_sets.end())
+      for (const std::int32_t node : set->second) is_on_lip[std::size_t(node)] = 1;
+  return is_on_lip;
+}
+
+}  // namespace
+
 InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDomain& domain,
                                 const anatomy::LabelMap& labels, const InterfaceBones& bones,
                                 const BoundaryOptions& options, const BoundaryLabelMap* painted) {
   const InterfaceRules rules(labels, bones, options);
   const std::vector<std::int32_t>& boundary = tissue.node_sets.at("boundary");
   const std::vector<BoundarySet> set_of = sets_of_nodes(tissue);
+  const std::vector<char> is_on_lip = nodes_of_lips(tissue);
   InterfaceMap map;
   map.nodes.resize(boundary.size());
   parallel_for(std::ssize(boundary), [&](Index n) {
@@ -287,6 +301,9 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
     decided = label != BoundaryLabel::kNone ? rules.painted(p_L, label)
                                             : rules.by_rule(p_L, set_of[std::size_t(node)]);
     decided.node = node;
+    if (is_on_lip[std::size_t(node)] == 0) return;
+    if (decided.rule == InterfaceRule::kAir) decided.rule = InterfaceRule::kLips;
+    if (decided.condition == InterfaceCondition::kSliding) decided.may_separate = true;
   });
   std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)

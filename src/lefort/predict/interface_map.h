@@ -43,6 +43,7 @@ enum class InterfaceRule : std::uint8_t {
   kCutBoundary,   ///< The region ends here.
   kSkin,          ///< Outer surface.
   kAir,           ///< Inner surface that lies on no bone: airway, sinus, oral cavity.
+  kLips,          ///< Where the lips touch each other at rest (separate_lips.h).
 };
 
 /// Name and letter of a condition in results.
@@ -68,7 +69,7 @@ struct InterfaceRuleStyle {
   const char* name;
   char letter;
 };
-inline constexpr std::array<InterfaceRuleStyle, 10> kInterfaceRules{{
+inline constexpr std::array<InterfaceRuleStyle, 11> kInterfaceRules{{
     {InterfaceRule::kPainted, "painted", 'p'},
     {InterfaceRule::kOsteotomy, "osteotomy", 'o'},
     {InterfaceRule::kJoint, "joint", 'j'},
@@ -79,6 +80,7 @@ inline constexpr std::array<InterfaceRuleStyle, 10> kInterfaceRules{{
     {InterfaceRule::kCutBoundary, "cut boundary", 'u'},
     {InterfaceRule::kSkin, "skin", 'k'},
     {InterfaceRule::kAir, "air", 'a'},
+    {InterfaceRule::kLips, "lips", 'l'},
 }};
 
 [[nodiscard]] const InterfaceConditionStyle& style_of(InterfaceCondition condition);
@@ -120,7 +122,8 @@ struct InterfaceBones {
 
 /// Decides the condition of every boundary node.
 ///
-/// \param tissue   mesh with the node sets of name_tissue_boundary().
+/// \param tissue   mesh with the node sets of name_tissue_boundary(), and those of the lips if they
+///   are separated.
 /// \param domain   its planes are used.
 /// \param labels   of the scan; airway is used.
 /// \param bones    at rest.

@@ -10,6 +10,7 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/predict/interface_supports.h>
+#include <lefort/predict/lip_contact.h>
 #include <lefort/predict/load_levels.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
@@ -161,6 +162,7 @@ class FacePath {
   WeightedContacts weighted_;
   std::vector<contact::SupportTerm> segment_supports_;     ///< One for each segment.
   std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
+  std::optional<LipContact> lips_;                         ///< If they are separated.
   std::optional<fem::Assembler> assembler_;
 
   std::vector<LoadLevel> levels_;
@@ -298,6 +300,9 @@ Result<void> FacePath::make_assembler() {
   for (const auto* supports : {&segment_supports_, &stationary_supports_})
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
+  if (model_.lips.is_open())
+    terms.push_back(&lips_.emplace(
+        model_.lips.pairs, contact_stiffness_mpa_per_mm(options_.tissue, options_.contact)));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
                                                   prescribed_at(geometry::poses_at(paths_, 0.0))));
   assembler_.emplace(tissue.nodes_L, std::move(dofs), std::move(terms));

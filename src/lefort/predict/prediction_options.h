@@ -26,7 +26,16 @@ enum class OuterBoundary {
   kFoundation,  ///< Elastic foundation: tissue of thickness foundation_mm, fixed on its far side.
 };
 
+/// What happens between upper and lower lip of a closed mouth.
+enum class Lips {
+  kSeparate,  ///< They touch, slide and open (separate_lips.h).
+  kJoined,    ///< They are one body.
+};
+
 /// Names in plans and results.
+[[nodiscard]] constexpr std::string_view name_of(Lips lips) {
+  return lips == Lips::kJoined ? "joined" : "separate";
+}
 [[nodiscard]] constexpr std::string_view name_of(TissueInterface interface) {
   switch (interface) {
     case TissueInterface::kBonded:
@@ -108,6 +117,7 @@ struct BoundaryOptions {
   double interface_layer_mm = 1.0;
   /// Contact snap distance: boundary within this distance of a bone lies on it.
   double contact_snap_mm = 0.8;
+  Lips lips = Lips::kSeparate;
 };
 
 /// elevation_margin_mm of interfaces other than kClinical, and of osteotomies without a template.

@@ -96,6 +96,7 @@ export interface Boundary {
   elevation_margin_mm?: number;
   joint_margin_mm?: number;
   interface_layer_mm?: number;
+  lips?: 'separate' | 'joined';
   contact_snap_mm?: number;
   labels?: string;
 }

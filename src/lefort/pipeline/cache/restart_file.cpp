@@ -288,7 +288,7 @@ std::string restart_key(const PreparedCase& prepared) {
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
   const auto& [interface, scan_boundary, cut_boundary, foundation_mm, elevation_margin_mm,
-               joint_margin_mm, interface_layer_mm, contact_snap_mm] = plan.boundary;
+               joint_margin_mm, interface_layer_mm, contact_snap_mm, lips] = plan.boundary;
   hash.add(double(interface))
       .add(double(scan_boundary))
       .add(double(cut_boundary))
@@ -297,6 +297,11 @@ std::string restart_key(const PreparedCase& prepared) {
       .add(joint_margin_mm)
       .add(interface_layer_mm)
       .add(contact_snap_mm);
+  hash.add(double(lips)).add(double(prepared.model.lips.pairs.size()));
+  for (const predict::LipPair& pair : prepared.model.lips.pairs) {
+    const auto& [upper, lower, area_mm2, normal_L] = pair;
+    hash.add(double(upper)).add(double(lower)).add(area_mm2).add(normal_L);
+  }
   add(hash, prepared.model.interface);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
   hash.add(predict::stiffness_factor(plan.contact, plan.tissue))

@@ -55,6 +55,26 @@ Json interface_json(const predict::FaceModel& model) {
           {"rule_of_nodes", rules}};
 }
 
+Json lips_json(const PreparedCase& prepared) {
+  const predict::LipSlit& lips = prepared.model.lips;
+  Json json{{"setting", name_of(prepared.plan.boundary.lips)},
+            {"separated", lips.is_open()},
+            {"reason", lips.is_open() ? Json(nullptr) : Json(lips.reason)},
+            {"found_by", nullptr},
+            {"confidence", nullptr},
+            {"crease_depth_mm", nullptr},
+            {"width_mm", nullptr},
+            {"area_mm2", lips.area_mm2},
+            {"pairs", lips.pairs.size()},
+            {"rms_distance_mm", lips.rms_distance_mm}};
+  if (!lips.fissure) return json;
+  json["found_by"] = predict::name_of(lips.fissure->source);
+  json["confidence"] = lips.fissure->confidence;
+  json["crease_depth_mm"] = lips.fissure->crease_depth_mm;
+  json["width_mm"] = lips.fissure->width_mm();
+  return json;
+}
+
 }  // namespace
 
 Json boundary_json(const PreparedCase& prepared) {
@@ -83,7 +103,10 @@ Json boundary_json(const PreparedCase& prepared) {
       painted["area_mm2"][decision.label.name] = decision.area_mm2;
     }
   }
-  return {{"rules", rules}, {"painted", painted}, {"interface", interface_json(prepared.model)}};
+  return {{"rules", rules},
+          {"painted", painted},
+          {"interface", interface_json(prepared.model)},
+          {"lips", lips_json(prepared)}};
 }
 
 }  // namespace lefort::pipeline

@@ -7,6 +7,7 @@
 #include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/timing/peak_memory.h>
 #include <lefort/predict/assign_regions.h>
+#include <lefort/predict/lip_contact.h>
 
 #include <algorithm>
 
@@ -35,6 +36,15 @@ Json supports_json(const contact::SupportStatistics& supports) {
           {"max_compression_mm", supports.max_compression_mm}};
 }
 
+Json lips_json(const predict::LipSlit& lips, const std::vector<Vec3>& displacement_mm) {
+  if (!lips.is_open()) return nullptr;
+  const predict::LipStatistics statistics = predict::lip_statistics(lips, displacement_mm);
+  return {{"max_overlap_mm", statistics.max_overlap_mm},
+          {"max_opening_mm", statistics.max_opening_mm},
+          {"max_slip_mm", statistics.max_slip_mm},
+          {"closed_fraction", statistics.closed_fraction}};
+}
+
 Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared) {
   double max_mm = 0.0;
   for (const Vec3& u : step.displacement_mm) max_mm = std::max(max_mm, u.norm());
@@ -48,6 +58,7 @@ Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared
   if (prepared.model.stationary_bone)
     json["stationary_bone_contact"] = contact_json(step.stationary_contact);
   json["stationary_bone_supports"] = supports_json(step.stationary_supports);
+  json["lips"] = lips_json(prepared.model.lips, step.displacement_mm);
   json["max_displacement_mm"] = max_mm;
   json["min_volume_ratio"] = step.min_J;
   json["residual_n"] = step.residual_n;

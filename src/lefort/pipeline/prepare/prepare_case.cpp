@@ -15,7 +15,9 @@
 #include <lefort/predict/contact_field.h>
 #include <lefort/predict/interface_supports.h>
 #include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/oral_fissure.h>
 #include <lefort/predict/path_overlaps.h>
+#include <lefort/predict/separate_lips.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/tissue_regions.h>
 
@@ -131,13 +133,33 @@ struct FaceInputs {
   const plan::CutSegments& cut;
   const std::vector<plan::PlannedSegment>& planned;
   const predict::BoundaryLabelMap* painted;  ///< Boundary conditions, or null.
+  const plan::Landmarks& landmarks;
 };
 
-/// The mesh with regions and boundary conditions.
-Result<predict::TissueBoundary> make_tissue(const FaceInputs& face,
-                                            const predict::TissueOptions& options,
-                                            const predict::BoundaryOptions& boundary,
-                                            const StageCache& cache, Progress& progress) {
+/// The lips of the plan's options and landmarks.
+predict::TissueWithLips make_lips(mesh::VolumeMesh tissue, const predict::TissueDomain& domain,
+                                  const FaceInputs& face, predict::Lips wanted,
+                                  Progress& progress) {
+  predict::FissureSearch search{std::nullopt, "boundary.lips is joined"};
+  if (wanted == predict::Lips::kSeparate)
+    search = predict::find_oral_fissure(face.head.labels, domain.soft_tissue_level,
+                                        {.stomion_L = plan::find_landmark(face.landmarks, "Stm"),
+                                         .right_L = plan::find_landmark(face.landmarks, "Ch-R"),
+                                         .left_L = plan::find_landmark(face.landmarks, "Ch-L")});
+  predict::TissueWithLips found =
+      predict::separate_lips(std::move(tissue), domain, std::move(search));
+  progress.note(predict::describe(found.lips));
+  return found;
+}
+
+/// The mesh with regions, lips and boundary conditions.
+struct Tissue {
+  predict::TissueBoundary boundary;
+  predict::LipSlit lips;
+};
+Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions& options,
+                           const predict::BoundaryOptions& boundary, const StageCache& cache,
+                           Progress& progress) {
   const ScannedHead& head = face.head;
   const image::CtVolume& ct = head.scan.ct;
   const geometry::TriangleMesh& remainder_L = face.cut.remainder_L;
@@ -154,12 +176,16 @@ Result<predict::TissueBoundary> make_tissue(const FaceInputs& face,
                               boundary.contact_snap_mm, key, cache, progress));
   tissue = predict::assign_tissue_regions(std::move(tissue), options, head.labels, progress);
   progress.begin_stage("find boundaries");
+  predict::TissueWithLips with_lips =
+      make_lips(std::move(tissue), domain, face, boundary.lips, progress);
   const std::vector<plan::ElevationZone> zones =
       plan::elevation_zones(face.cut, face.planned, boundary.elevation_margin_mm);
-  return predict::find_tissue_boundary(
-      std::move(tissue), domain, head.labels, face.skin_L,
-      {.segments_L = face.cut.segments_L, .remainder_L = remainder_L, .elevation = zones}, boundary,
-      face.painted);
+  return Tissue{
+      predict::find_tissue_boundary(
+          std::move(with_lips.tissue), domain, head.labels, face.skin_L,
+          {.segments_L = face.cut.segments_L, .remainder_L = remainder_L, .elevation = zones},
+          boundary, face.painted),
+      std::move(with_lips.lips)};
 }
 
 /// The field of stationary bone, if tissue meets it.
@@ -242,9 +268,10 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head, cache, progress));
   LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(bones, plan, cache, progress));
-  LEFORT_TRY(predict::TissueBoundary boundary,
-             make_tissue({head, skin_L, bones.cut, plan.segments, painted ? &*painted : nullptr},
-                         plan.tissue, plan.boundary, cache, progress));
+  LEFORT_TRY(Tissue made, make_tissue({head, skin_L, bones.cut, plan.segments,
+                                       painted ? &*painted : nullptr, plan.landmarks},
+                                      plan.tissue, plan.boundary, cache, progress));
+  predict::TissueBoundary& boundary = made.boundary;
   note_boundary(boundary, plan, painted.has_value(), progress);
   LEFORT_TRY(
       std::optional<predict::MovedSegment> stationary_bone,
@@ -257,7 +284,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   predict::FaceModel model{.tissue = std::move(tissue),
                            .segments = std::move(bones.segments),
                            .stationary_bone = std::move(stationary_bone),
-                           .interface = std::move(boundary.interface)};
+                           .interface = std::move(boundary.interface),
+                           .lips = std::move(made.lips)};
   Provenance provenance = provenance_of(plan, plan_sha256, head);
   return PreparedCase{std::move(plan),
                       std::move(provenance),
@@ -277,10 +305,11 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                         const predict::TissueOptions& tissue,
                                         const predict::BoundaryOptions& boundary,
                                         const StageCache& cache, Progress& progress) {
-  LEFORT_TRY(predict::TissueBoundary found,
+  LEFORT_TRY(Tissue made,
              make_tissue({prepared.head, prepared.skin_L, prepared.cut, prepared.plan.segments,
-                          prepared.painted ? &*prepared.painted : nullptr},
+                          prepared.painted ? &*prepared.painted : nullptr, prepared.plan.landmarks},
                          tissue, boundary, cache, progress));
+  predict::TissueBoundary& found = made.boundary;
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
   LEFORT_TRY(
       std::optional<predict::MovedSegment> stationary_bone,
@@ -289,7 +318,8 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
   return predict::FaceModel{.tissue = std::move(found.tissue),
                             .segments = prepared.model.segments,
                             .stationary_bone = std::move(stationary_bone),
-                            .interface = std::move(found.interface)};
+                            .interface = std::move(found.interface),
+                            .lips = std::move(made.lips)};
 }
 
 }  // namespace lefort::pipeline

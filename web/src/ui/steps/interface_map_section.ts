@@ -19,6 +19,7 @@ const RULE_TITLES: Record<string, string> = {
   'cut boundary': 'The region ends',
   skin: 'Skin',
   air: 'Airway, sinus, oral cavity',
+  lips: 'Between the lips',
 };
 
 const CONDITION_TITLES: Record<string, string> = {

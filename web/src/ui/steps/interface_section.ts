@@ -62,6 +62,9 @@ export function interfaceSection({ boundary = {} }: Plan, set: SetPlan): Html {
       id: 'interface-layer',
       onInput: (v) => setBoundary({ interface_layer_mm: v }, 'interface-layer'),
     }),
+    toggle('Separate the lips of a closed mouth', boundary.lips !== 'joined', (on) =>
+      setBoundary({ lips: on ? undefined : 'joined' }),
+    ),
   );
 }
 

@@ -1,0 +1,53 @@
+/// \file
+/// Opens a slit in a mesh: elements on its two sides get separate nodes.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace lefort::mesh {
+
+/// A smooth surface with a border.
+struct SlitSurface {
+  /// Signed distance to the surface [mm], exact to first order at zero; positive on its first side.
+  std::function<double(const Vec3&)> level_L;
+  /// Positive inside the border [mm]. Elements are separated there only.
+  std::function<double(const Vec3&)> extent_L;
+};
+
+/// Two nodes at the same position, one on each side of a slit.
+struct SlitPair {
+  std::int32_t first = 0, second = 0;
+  double area_mm2 = 0.0;  ///< Of the slit at the pair.
+};
+
+/// A mesh with a slit.
+struct SlitMesh {
+  VolumeMesh mesh;  ///< Nodes of the first side keep their numbers; those of the second are last.
+  std::vector<Face> first_faces, second_faces;  ///< Of elements on each side.
+  std::vector<SlitPair> pairs;   ///< Ascending. Nodes on the border inside the body are single.
+  double area_mm2 = 0.0;         ///< Of one side.
+  double rms_distance_mm = 0.0;  ///< Of the nodes of the slit from the surface.
+};
+
+/// Separates the elements on one side of a surface from those on the other.
+///
+/// The side of an element is that of its centroid; an element that has more faces towards the other
+/// side changes to it. Nodes between the sides move onto the surface as far as the scaled Jacobians
+/// of their elements allow; boundary nodes move along the boundary, and nodes of other shapes than
+/// kTet4 do not move. A node is then duplicated if the slit separates the elements around it. No
+/// element is removed; parts of less than a hundredth of the elements stay joined.
+///
+/// \param mesh         linear elements, without sets.
+/// \param surface      called by one thread.
+/// \param is_inside_L  the body; boundary nodes stay on its surface where it changes within 0.5 mm.
+/// \returns the mesh; unchanged, without faces, if the surface separates no elements.
+/// \pre no sets.
+[[nodiscard]] SlitMesh open_slit(VolumeMesh mesh, const SlitSurface& surface,
+                                 const std::function<bool(const Vec3&)>& is_inside_L);
+
+}  // namespace lefort::mesh

@@ -1,0 +1,60 @@
+/// \file
+/// Contact of the lips with each other, without friction: node to node.
+///
+/// For a pair of nodes at the same position at rest, with area A and normal n from the lower lip to
+/// the upper one (\cite francavilla1975):
+///
+///   e = n . (x_upper - x_lower)               opening
+///   W = A/2 k_c e^2 if e < 0, else 0
+///
+/// n is that at rest: the lips slide along it without resistance. After a slip s on a surface of
+/// curvature kappa the opening is in error by about kappa s^2 / 2 (docs/theory/interface.md).
+/// Lips that slide on each other, with face-to-face contact: \cite kim2021.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/assembly/force_term.h>
+#include <lefort/predict/separate_lips.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lefort::predict {
+
+/// An item is a pair of nodes.
+class LipContact final : public fem::ForceTerm {
+ public:
+  /// \param pairs                 of the lips.
+  /// \param stiffness_mpa_per_mm  k_c > 0.
+  LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm);
+
+  [[nodiscard]] Index item_count() const override { return Index(pairs_.size()); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return nodes_[std::size_t(item)];
+  }
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              fem::LocalEquations& local) const override;
+
+ private:
+  std::vector<LipPair> pairs_;
+  std::vector<std::array<std::int32_t, 2>> nodes_;
+  double stiffness_mpa_per_mm_;
+};
+
+/// Position of the lips relative to each other.
+struct LipStatistics {
+  double max_overlap_mm = 0.0;   ///< Of -e; 0 if there is none.
+  double max_opening_mm = 0.0;   ///< Of e; 0 if there is none.
+  double max_slip_mm = 0.0;      ///< Along the surface.
+  double closed_fraction = 1.0;  ///< Of the area: e <= kLipsClosed_mm.
+};
+inline constexpr double kLipsClosed_mm = 0.1;
+
+/// \param lips             with pairs.
+/// \param displacement_mm  one per node of the tissue.
+[[nodiscard]] LipStatistics lip_statistics(const LipSlit& lips,
+                                           std::span<const Vec3> displacement_mm);
+
+}  // namespace lefort::predict

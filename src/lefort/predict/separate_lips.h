@@ -1,0 +1,58 @@
+/// \file
+/// Separates the lips of a closed mouth in the tissue mesh.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/mesh/volume_mesh.h>
+#include <lefort/predict/oral_fissure.h>
+#include <lefort/predict/tissue_domain.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::predict {
+
+namespace sets {
+/// Nodes and faces where the lips touch at rest; missing if they are not separated.
+inline constexpr const char* kUpperLip = "upper_lip";
+inline constexpr const char* kLowerLip = "lower_lip";
+}  // namespace sets
+
+/// Two nodes of the lips at the same position at rest.
+struct LipPair {
+  std::int32_t upper = 0, lower = 0;
+  double area_mm2 = 0.0;          ///< > 0.
+  Vec3 normal_L = Vec3::UnitZ();  ///< Unit length, from the lower lip to the upper one.
+};
+
+/// The separated lips, or the reason why they are not separated.
+struct LipSlit {
+  std::string reason;                  ///< Empty if the lips are separated.
+  std::optional<OralFissure> fissure;  ///< If one was found.
+  std::vector<LipPair> pairs;          ///< Ascending; empty if the lips are not separated.
+  double area_mm2 = 0.0;               ///< Of one lip.
+  double rms_distance_mm = 0.0;        ///< Of the mesh from the surface of the fissure.
+
+  [[nodiscard]] bool is_open() const { return !pairs.empty(); }
+};
+
+/// A mesh and its lips.
+struct TissueWithLips {
+  mesh::VolumeMesh tissue;  ///< With the sets kUpperLip and kLowerLip if the lips are separated.
+  LipSlit lips;
+};
+
+/// Opens a slit in the surface of the fissure (mesh/open_slit.h). Elements keep their numbers.
+///
+/// \param tissue  mesh of the domain, without sets.
+/// \param domain  its level keeps nodes on the boundary.
+/// \param search  the fissure, or why there is none.
+[[nodiscard]] TissueWithLips separate_lips(mesh::VolumeMesh tissue, const TissueDomain& domain,
+                                           FissureSearch search);
+
+/// One line for the log.
+[[nodiscard]] std::string describe(const LipSlit& lips);
+
+}  // namespace lefort::predict
