@@ -15,7 +15,7 @@ namespace lefort::pipeline {
 /// \returns `soft_tissue_ratios` of contract/prediction.schema.json.
 [[nodiscard]] nlohmann::ordered_json ratios_json(std::span<const ExplainedRatio> ratios);
 
-/// \returns the ratios beside published ranges, reasons of deviations from these, and their sources;
+/// \returns the ratios beside published ranges, reasons of deviations, and the sources;
 ///   no table without ratios.
 [[nodiscard]] std::vector<report::ReportTable> ratio_tables(std::span<const ExplainedRatio> ratios);
 
