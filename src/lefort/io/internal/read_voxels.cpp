@@ -20,9 +20,7 @@ constexpr std::size_t kVoxelChunk = 1 << 20;
 /// The longest number of a text has 24 characters; the rest is white space.
 constexpr std::uint64_t kMaxTextPerValue = 64;
 
-Error damaged_voxels() {
-  return {ErrorCode::kFileCorrupt, "the compressed voxels are truncated or damaged"};
-}
+Error damaged_voxels() { return {ErrorCode::kFileCorrupt, "the voxels are truncated or damaged"}; }
 
 Error stopped() { return {ErrorCode::kCancelled, "reading the voxels was stopped"}; }
 
@@ -120,7 +118,7 @@ Result<void> parse_text(StoredBytes& stored, ScalarType type, std::span<std::byt
                        with_type(type, [&]<class T>(T) { return parse_voxels<T>(text, target); });
   if (!is_good)
     return fail(ErrorCode::kFileCorrupt,
-                "the text of the voxels does not have one number of their type for each");
+                "the voxels are truncated or damaged, expected one number of their type for each");
   return {};
 }
 
@@ -167,7 +165,8 @@ Result<void> read_voxels(VolumeHeader& header, Progress& progress) {
   if (storage.is_at_end) begin = std::max(begin, size - std::min(size, bytes));
   const std::uint64_t found = error || size < begin ? 0 : size - begin;
   if (!can_contain(found, storage.encoding, bytes, values))
-    return tl::unexpected(missing_voxels(found, bytes));
+    return tl::unexpected(storage.encoding == VoxelEncoding::kRaw ? missing_voxels(found, bytes)
+                                                                  : damaged_voxels());
   if (storage.bytes && *storage.bytes != found) return tl::unexpected(damaged_voxels());
 
   // Zeroed, so that no other memory of the process becomes voxels. The system provides zeroed pages
