@@ -148,7 +148,8 @@ std::uint64_t count_not_finite(const RawVolume& volume) {
 /// Replaces the values by scale * value + offset as floats; doubles stay doubles.
 Result<void> rescale(RawVolume& volume, double scale, double offset) {
   constexpr double kNoChange = std::numeric_limits<double>::epsilon();
-  if (std::abs(scale) <= kNoChange || (std::abs(scale - 1.0) <= kNoChange && std::abs(offset) <= kNoChange))
+  if (std::abs(scale) <= kNoChange ||
+      (std::abs(scale - 1.0) <= kNoChange && std::abs(offset) <= kNoChange))
     return {};
   RawVolume scaled;
   scaled.type = volume.type == ScalarType::kDouble ? ScalarType::kDouble : ScalarType::kFloat;
