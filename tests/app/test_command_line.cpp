@@ -282,9 +282,9 @@ TEST(CommandLine, BadInputIsOneLineAndLeavesNothing) {
   // Not the file's name, which is the patient's often enough.
   expect_clean_failure(
       run_lefort("import " + quoted(folder / "garbage.nrrd") + " -o " + quoted(folder / "o.nrrd")),
-      "NRRD file: the header", folder, before);
+      "NRRD file: line 2 of the header", folder, before);
   expect_clean_failure(run_lefort("segment " + quoted(folder / "garbage.nrrd") + " -o " + out),
-                       "NRRD file: the header", folder, before);
+                       "NRRD file: line 2 of the header", folder, before);
   expect_clean_failure(run_lefort("field build " + quoted(folder / "garbage.stl") + " -o " + out),
                        "garbage.stl", folder, before);
   expect_clean_failure(run_lefort("field query " + quoted(folder / "garbage.field") + " " +
