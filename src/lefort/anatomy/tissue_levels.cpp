@@ -212,10 +212,11 @@ ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities, Bones bones) 
     ScalarVolume mandible = level_of_label(jaw, Tissue::kMandible, {});
     near = cropped(skull, margin);
     separate_levels(jaw.where(Tissue::kBone), jaw.where(Tissue::kMandible), near, mandible);
-    if (bones == Bones::kMandible) near = std::move(mandible);
     if (bones == Bones::kAll)
       near = volume_of(jaw.grid(),
                        [&](std::size_t v) { return std::max(near.values[v], mandible.values[v]); });
+    else if (bones == Bones::kMandible)
+      near = std::move(mandible);
   }
   if (bones == Bones::kMandible)
     std::fill(skull.values.begin(), skull.values.end(), float(-kLabelClamp_mm));
