@@ -145,7 +145,7 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   const Mask brain = find_brain(soft, bone, outside);
 
   LEFORT_TRY_VOID(steps.next());
-  const Mask mandible = find_mandible(bone);
+  const Mask mandible = find_mandible(ct, bone, options.bone_hu);
 
   LabelMap labels{grid, std::vector<Tissue>(ct.values.size(), Tissue::kBackground)};
   const auto mark = [&](const Mask& mask, Tissue tissue) {
