@@ -1,5 +1,5 @@
 /// \file
-/// Keeps the surfaces of two labels apart.
+/// Separates the surfaces of two labels.
 #pragma once
 
 #include <lefort/anatomy/voxel_mask.h>
@@ -14,7 +14,7 @@ inline constexpr double kHalfGap_voxels = 0.625;
 ///
 /// The side of a point is half the difference of its signed distances to both labels, in voxels:
 /// zero halfway between them and positive on the side of the first. Each function is limited to the
-/// side minus half the gap, so surfaces that are further apart do not change. Afterwards a voxel
+/// side minus half the gap, so surfaces with a larger gap do not change. Afterwards a voxel
 /// that is inside the second label and has one inside the first among its 26 neighbors is set
 /// outside: no cell of eight voxels contains both, hence no triangle connects them.
 ///

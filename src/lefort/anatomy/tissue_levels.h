@@ -44,7 +44,7 @@ struct LevelOptions {
 
 /// Bone: the surface at `bone_hu` around the voxels labeled as bone, without other dense objects.
 ///
-/// Skull and mandible are smoothed separately and kept apart by separate_levels(), even where their
+/// Skull and mandible are smoothed one by one, and separated by separate_levels(), even where their
 /// voxels touch, as in a narrow joint or between teeth. The function of kAll is the maximum of
 /// those of kSkull and kMandible. Only sinuses of the skull are filled.
 ///

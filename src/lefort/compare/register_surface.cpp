@@ -79,6 +79,7 @@ std::vector<Pair> pair_up(const std::vector<Sample>& samples, const RigidTransfo
 /// Median of the distances; infinite if half of the samples have no counterpart.
 double median_distance_mm(const std::vector<Pair>& pairs) {
   std::vector<double> distances;
+  distances.reserve(pairs.size());
   for (const Pair& pair : pairs) distances.push_back(std::abs(pair.off_mm));
   const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());

@@ -321,7 +321,7 @@ double MortarContactTerm::max_step_length(std::span<const Vec3> x_L,
 }
 
 double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
-                                     std::span<const RigidTransform> X_LB_from,
+                                     std::span<const RigidTransform> from_X_LB,
                                      std::span<const Vec3> to_L) const {
   std::vector<double> allowed(patches_.size(), 1.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
@@ -329,7 +329,7 @@ double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
     const std::vector<Vec3> last_L = own_points(patches_[std::size_t(p)], to_L);
     for (std::size_t k = 0; k < obstacles_.size(); ++k) {
       const RigidObstacle in_B{.distance_query_B = obstacles_[k].distance_query_B};
-      const RigidTransform X_BL_from = X_LB_from[k].inverse(), X_BL = obstacles_[k].X_LB.inverse();
+      const RigidTransform X_BL_from = from_X_LB[k].inverse(), X_BL = obstacles_[k].X_LB.inverse();
       for (std::size_t n = 0; n < first_L.size(); ++n) {
         const Vec3 first_B = X_BL_from * first_L[n];
         allowed[std::size_t(p)] = std::min(

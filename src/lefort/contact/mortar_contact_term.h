@@ -127,10 +127,10 @@ class MortarContactTerm final : public fem::ForceTerm {
 
   /// The same for a motion of tissue and bones from an earlier state to the present poses.
   /// \param from_L     earlier positions of all nodes [mm].
-  /// \param X_LB_from  earlier pose of each bone.
+  /// \param from_X_LB  earlier pose of each bone.
   /// \param to_L       positions of all nodes [mm].
   [[nodiscard]] double max_motion(std::span<const Vec3> from_L,
-                                  std::span<const RigidTransform> X_LB_from,
+                                  std::span<const RigidTransform> from_X_LB,
                                   std::span<const Vec3> to_L) const;
 
   /// \param x_L  current positions of all nodes [mm].

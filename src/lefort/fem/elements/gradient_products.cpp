@@ -19,10 +19,11 @@ void multiply_columns_transposed(const Mat3& M, const double* columns, int nodes
       product[i] = M(0, i) * columns[0] + M(1, i) * columns[1] + M(2, i) * columns[2];
 }
 
-void add_point_stiffness(const Mat9& A, double dV, const double* dN_dX, int nodes, double* K) {
+void add_point_stiffness(const Mat9& A, double dV, const double* shape_gradients, int nodes,
+                         double* K) {
   const Index size = 3 * Index(nodes);
   for (int b = 0; b < nodes; ++b) {
-    const double* N_b = dN_dX + Index(3) * b;
+    const double* N_b = shape_gradients + Index(3) * b;
     const std::array<double, 3> g_b{dV * N_b[0], dV * N_b[1], dV * N_b[2]};
     std::array<std::array<double, 9>, 3> dP;  // Column j: of the displacement along axis j.
     for (int j = 0; j < 3; ++j)
@@ -30,7 +31,7 @@ void add_point_stiffness(const Mat9& A, double dV, const double* dN_dX, int node
         dP[std::size_t(j)][std::size_t(i)] =
             g_b[0] * A(i, j) + g_b[1] * A(i, 3 + j) + g_b[2] * A(i, 6 + j);
     for (int a = b; a < nodes; ++a) {
-      const double* g_a = dN_dX + Index(3) * a;
+      const double* g_a = shape_gradients + Index(3) * a;
       for (int j = 0; j < 3; ++j)
         for (int i = 0; i < 3; ++i) {
           const double* dP_i = dP[std::size_t(j)].data() + i;

@@ -60,9 +60,10 @@ void multiply_columns_transposed(const Mat3& M, const double* columns, int nodes
 /// section 9.4).
 /// \param A      dP/dF.
 /// \param dV     volume of the point [mm^3].
-/// \param dN_dX  gradients, 3 x `nodes` [1/mm].
+/// \param shape_gradients  gradients, 3 x `nodes` [1/mm].
 /// \param K      receives the stiffness, 3 `nodes` x 3 `nodes`.
-void add_point_stiffness(const Mat9& A, double dV, const double* dN_dX, int nodes, double* K);
+void add_point_stiffness(const Mat9& A, double dV, const double* shape_gradients, int nodes,
+                         double* K);
 
 /// K += a b^T.
 /// \param a, b  `size` x `rank`, column-major, rank <= 4.
