@@ -249,7 +249,9 @@ TEST(HttpServer, ServesOrRejectsAThousandConnections) {
 }
 
 TEST(HttpServer, ServesOthersWhileSomeAreSlow) {
-  const Served served;
+  HttpLimits limits;
+  limits.header_time = milliseconds(120'000);
+  const Served served(limits);
   std::vector<Socket> slow;
   for (int n = 0; n < 400; ++n) {  // Each begins a request and does not end it.
     slow.emplace_back(served.port);
@@ -257,9 +259,7 @@ TEST(HttpServer, ServesOthersWhileSomeAreSlow) {
   }
   const auto begin = steady_clock::now();
   EXPECT_EQ(served.status("GET /api/v1/case"), 200);
-  const std::chrono::duration<double> waited = steady_clock::now() - begin;
-  std::cout << "answered after " << waited.count() << " s\n";
-  EXPECT_LT(waited.count(), 5.0);
+  EXPECT_LT(steady_clock::now() - begin, limits.header_time) << "answered after they timed out";
 }
 
 TEST(HttpServer, IdleTimeStartsWithEachRequest) {

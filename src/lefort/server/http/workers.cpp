@@ -66,6 +66,8 @@ void Workers::work() {
     if (tasks_.empty()) return;
     const std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();
+    // The evictor may have seen this thread idle when the tasks that still wait were added.
+    if (idle_ == 0 && !tasks_.empty()) wake_evictor_.notify_one();
     is_sending_away = is_ending_;
     lock.unlock();
     task();
