@@ -9,24 +9,28 @@ namespace lefort::fem {
 template <class Element>
 DilatationModes<Element> dilatation_modes(const ElementNodes<Element>& X,
                                           const ReferenceElement<Element>& points) {
-  Eigen::Matrix<double, Element::kPoints, 1> volume;
-  Eigen::Matrix<double, 3, Element::kPoints> at;
-  const auto quadrature = Element::quadrature();
-  for (int q = 0; q < Element::kPoints; ++q) {
-    volume[q] = points[std::size_t(q)].volume_mm3;
-    at.col(q) = X * quadrature[std::size_t(q)].N;
+  double volume = 0.0;
+  for (int q = 0; q < Element::kPoints; ++q) volume += points[std::size_t(q)].volume_mm3;
+  if constexpr (kDilatationModes<Element> == 1) {
+    return DilatationModes<Element>::Constant(1.0 / std::sqrt(volume));
+  } else {
+    Eigen::Matrix<double, 3, Element::kPoints> at;
+    const auto quadrature = Element::quadrature();
+    Vec3 center = Vec3::Zero();
+    for (int q = 0; q < Element::kPoints; ++q) {
+      at.col(q) = X * quadrature[std::size_t(q)].N;
+      center += points[std::size_t(q)].volume_mm3 / volume * at.col(q);
+    }
+    // raw^T dV raw = L L^T, so that the columns of raw L^-T are orthonormal.
+    DilatationModes<Element> raw;
+    Eigen::Matrix4d gram = Eigen::Matrix4d::Zero();
+    for (int q = 0; q < Element::kPoints; ++q) {
+      raw.row(q) << 1.0, ((at.col(q) - center) / std::cbrt(volume)).transpose();
+      gram += points[std::size_t(q)].volume_mm3 * raw.row(q).transpose() * raw.row(q);
+    }
+    const Eigen::Matrix4d L = gram.llt().matrixL();
+    return L.triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
   }
-  constexpr int kModes = kDilatationModes<Element>;
-  const Vec3 center = at * volume / volume.sum();
-  const double size = std::cbrt(volume.sum());
-  DilatationModes<Element> raw;
-  raw.col(0).setOnes();
-  if constexpr (kModes > 1)
-    raw.template rightCols<kModes - 1>() = ((at.colwise() - center) / size).transpose();
-  // raw^T dV raw = L L^T, so that the columns of raw L^-T are orthonormal.
-  const Eigen::Matrix<double, kModes, kModes> gram = raw.transpose() * volume.asDiagonal() * raw;
-  const Eigen::Matrix<double, kModes, kModes> L = gram.llt().matrixL();
-  return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
 }
 
 template <class Element>
