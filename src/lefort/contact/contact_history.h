@@ -104,7 +104,7 @@ class ContactHistory {
   void rollback();
 
   /// Starts an increment from the last accepted state. Tangent planes of points that had returned
-  /// to their side in that state are released.
+  /// (thin_bone_contact.h) in that state are released.
   void begin_step();
 
   /// Area that has tunneled in all accepted increments [mm^2].

@@ -2,8 +2,8 @@
 /// Statistics of contact at one state: sums over all points, values at nodes, single points.
 ///
 /// Two depths occur (docs/glossary.md): the penetration max(-g, 0), and the penetration increase
-/// d = g_0 - g ("depth from rest"), on which the contact pressure depends. Where a tangent plane is
-/// the constraint, g is the lesser of the gap to the plane and the gap to the closest surface.
+/// d = g_0 - g, on which the contact pressure depends. Where a tangent plane is the constraint, g
+/// is the smaller of the gap to the plane and the gap to the closest surface.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>

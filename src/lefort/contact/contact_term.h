@@ -39,16 +39,17 @@ namespace lefort::contact {
 
 /// Faces of the inner surface of the tissue, of any shape, in contact with one bone.
 ///
-/// **Rest gap.** Depth is measured from the reference configuration: the mesh matches the surface
-/// of the bone only within the chord height of its faces, and a patient at rest is in equilibrium.
-/// g_0n is the gap of the point in the reference configuration if that is at most `contact_snap_mm`
-/// in magnitude, or is negative; else it is zero.
+/// **Rest gap.** A patient at rest is in equilibrium, but the faces of the mesh differ from the
+/// surface of the bone by their chord height. Contact therefore depends on the change from a rest
+/// gap. g_0n is the gap of the point in the reference configuration if that is at most
+/// `contact_snap_mm` in magnitude, or is negative; else it is zero.
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
 /// If a penetration tolerance is set, the tangent plane of its contact reference becomes the
 /// constraint of a point that has crossed the medial surface. Planes change between solves only, so
 /// that each solve has a potential. Without a tolerance there are no planes: the penalty is so soft
-/// that tissue lies in thin bone at most states, and the result would depend on the increments.
+/// that tissue often lies beyond the medial surface, and with planes the result would depend on the
+/// increments.
 ///
 /// **States.** Each point has a present and an accepted state (contact_history.h). None of the
 /// functions that change them may be called while the term is being evaluated.
@@ -81,9 +82,9 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param faces            counter-clockwise seen from outside the tissue.
   /// \param obstacle         the bone, at its pose in the reference configuration.
   /// \param options          \pre in the ranges above.
-  /// \param other_obstacles  other bones, at their poses in the reference configuration. A point
-  ///   closer to one of them than to this bone has no snap distance here. Otherwise bone whose edge
-  ///   is flush with another would drag tissue that lies on the other.
+  /// \param other_obstacles  other bones, at their poses in the reference configuration. For a
+  ///   point closer to one of them than to this bone the snap distance is 0: the edge of this bone
+  ///   must not drag tissue that lies on the other.
   ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, RigidObstacle obstacle,
               const Options& options, std::span<const RigidObstacle> other_obstacles = {});
 
@@ -99,8 +100,8 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool is_conservative(const fem::DofMap& /*dofs*/) const override {
     return obstacle_.distance_query_B->has_exact_derivatives();
   }
-  /// \returns false if a point lies deeper than the range of the distance query, or its zone has
-  ///   become unknown (near a hole of the surface).
+  /// \returns false if a point lies deeper than the range of the distance query, or if its zone is
+  ///   unknown (near a hole of the surface) but was known in the last accepted state.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
@@ -115,7 +116,7 @@ class ContactTerm final : public fem::ForceTerm {
   void rollback();
 
   /// Starts an increment from the last accepted state; tangent planes of points that had returned
-  /// to their side are released.
+  /// in that state (thin_bone_contact.h) are released.
   void begin_step();
 
   /// Activates the tangent planes of points that have crossed the medial surface since the last

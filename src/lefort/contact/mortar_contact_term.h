@@ -1,6 +1,6 @@
 /// \file
 /// Frictionless contact of deformable tissue with rigid bones by weighted gaps, as a force term of
-/// the solver. The term has no memory: its energy is a function of the positions.
+/// the solver. The term has no history: its energy is a function of the positions.
 ///
 /// With the quadrature points q_n = sum_b N_b(n) x_b, their reference areas A_n, the weight
 /// functions M_a (weighted_quadrature.h) and the signed distance g to the closest bone, node a has
@@ -22,15 +22,15 @@
 /// so that Newton's method is the primal-dual active set strategy. One condition for each node does
 /// not over-constrain the faces, as one for each quadrature point does.
 ///
-/// A weighted gap lets sharp bone pass between the nodes. Each sharp point v of a bone
-/// (bone_points.h) therefore has a condition of its own. With its depth D behind the tissue faces
-/// (point_in_patch.h), its depth D_0 in the reference configuration, and the area A_v = h^2 / 4, so
-/// that a tip may carry the force of a quarter of a node patch:
+/// A weighted gap is a mean, and lets sharp bone pass between the nodes. Each sharp point v of a
+/// bone (bone_points.h) therefore has a condition of its own. D > 0 is its depth behind the tissue
+/// faces (point_in_patch.h), D_0 that in the reference configuration, h the element size, and
+/// A_v = h^2 / 4 an area by which a tip can carry the force of a quarter of a node patch:
 ///
 ///   W    += sum_v A_v k max(D - D_0, 0)^2
 ///
-/// An item is a node patch. It has a fraction of the condition of v, the hat function of its node
-/// at the closest point; these fractions sum to one.
+/// An item is a node patch. It has the part of the energy of v given by the hat function of its
+/// node at the closest point; these functions sum to one.
 #pragma once
 
 #include <lefort/contact/bone_points.h>
@@ -49,12 +49,12 @@
 
 namespace lefort::contact {
 
-/// Penetration that contact pressures up to 4 E leave, unless it is chosen [mm].
+/// Default of the penetration increase that a contact pressure of 4 E leaves [mm].
 inline constexpr double kMortarTolerance_mm = 0.01;
 
 /// \param young_mpa     E of the tissue, > 0.
-/// \param tolerance_mm  depth that a pressure of 4 E leaves, > 0. Soft tissue is compressed to less
-///   than a third by such a pressure.
+/// \param tolerance_mm  depth that a pressure of 4 E leaves, > 0. Such a nominal stress compresses
+///   incompressible neo-Hookean tissue with free sides to less than a third of its height.
 /// \returns k: p = 2 k d, so that k = 2 E / tolerance.
 [[nodiscard]] constexpr double mortar_stiffness_mpa_per_mm(double young_mpa, double tolerance_mm) {
   return 2.0 * young_mpa / tolerance_mm;
@@ -122,7 +122,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// \param x_L   current positions of all nodes [mm].
   /// \param dx_L  their step [mm].
   /// \returns the largest fraction of the step, in (0, 1], by which no node and no quadrature point
-  ///   passes through a bone (step_bound.h).
+  ///   passes the medial surface of a bone (step_bound.h).
   [[nodiscard]] double max_step_length(std::span<const Vec3> x_L, std::span<const Vec3> dx_L) const;
 
   /// The same for a motion of tissue and bones from an earlier state to the present poses.
@@ -184,8 +184,10 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// Of each patch: g_a in the reference configuration without this offset, if that is negative. It
   /// can be, because weight functions are partly negative.
   std::vector<double> rest_offsets_mm_;
-  std::vector<double> reach_mm_;  ///< Of each patch: largest depth of a point behind it.
-  double element_size_mm_ = 0.0;  ///< Mean radius of the patches.
+  /// Of each patch: depth up to which a point behind it is in contact, half of its radius. The
+  /// radius is the largest distance of its node from another node of the patch.
+  std::vector<double> reach_mm_;
+  double element_size_mm_ = 0.0;  ///< h: mean over the patches of their radius (reach_mm_).
   std::vector<PointsWithRest> sharp_points_, vertices_;  ///< Of each bone.
   std::vector<mesh::Face> faces_;
   std::vector<double> dense_rest_gaps_mm_;  ///< g_0 of the dense samples of all faces.

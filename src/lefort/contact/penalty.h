@@ -61,7 +61,8 @@ struct PenaltyParameters {
   return response;
 }
 
-/// Positive semidefinite approximation of PenaltyResponse::hessian_mpa_per_mm. Parameters as above.
+/// Positive semidefinite approximation of PenaltyResponse::hessian_mpa_per_mm. Parameters as above;
+/// zero where p is not positive.
 /// \returns 2 k_c grad g (x) grad g + (-p Hess g)+, where ( )+ is the nearest positive semidefinite
 ///   matrix.
 [[nodiscard]] Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,

@@ -81,8 +81,8 @@ std::array<double, 3> coordinates(const PatchTriangle& corners, const FeatureCor
 }
 
 /// Hessian of D for a closest point inside a face: with the outward normal n, the surface gradients
-/// a^b of N_b, dn = - sum a^b (n . dx_b) and w = sum N_b dx_b,
-///   d2D = - 2 dn . w ... + D |dn|^2, see docs/theory/contact.md.
+/// a^b of N_b, and dn = - sum a^b (n . dx_b),
+///   d2D = 2 dn . sum N_b dx_b - D |dn|^2.
 void set_face_hessian(const PatchTriangle& corners, const std::array<double, 3>& N, const Vec3& n,
                       PointDepth& depth) {
   const Vec3 area = corners.normal();

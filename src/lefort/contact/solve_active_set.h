@@ -26,7 +26,8 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 ///
 /// After kMaxActiveSetSteps steps, or if a step fails, Newton's method with the unilateral energy
 /// continues; its line search always descends. Both end in the same equations: the last solve is
-/// unilateral. The set is no history: it affects the number of iterations.
+/// unilateral. The set is no history variable. If the equations have several solutions, it can
+/// influence which one is found.
 ///
 /// \param contacts  at their poses.
 /// \param nodes_L   nodes in the reference configuration [mm].

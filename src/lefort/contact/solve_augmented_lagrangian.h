@@ -18,8 +18,9 @@ namespace lefort::contact {
 /// \returns the current positions of the nodes [mm].
 [[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Max number of multiplier updates in one increment. With a penalty stiffness ten times that of
-/// the tissue, an update removes about nine tenths of the remaining depth.
+/// Max number of multiplier updates in one increment. An update leaves about the fraction
+/// k / (k + k_p) of the depth, where k is the stiffness of the tissue and k_p that of the penalty:
+/// a tenth if k_p is ten times k.
 inline constexpr int kMaxMultiplierUpdates = 30;
 
 /// Algorithm:
@@ -27,10 +28,10 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 /// 1. Solve with the accepted multipliers. If that fails, or a contact rejects the equilibrium,
 ///    return.
 /// 2. Commit the state.
-/// 3. If the P99 of the depth exceeds the tolerance of a contact, update the multipliers. Activate
-///    the tangent planes that are needed. If neither was needed, return.
-/// 4. If three updates in a row have neither reduced the P99 nor activated a plane, roll back and
-///    return.
+/// 3. If the P99 of the depth exceeds the tolerance of a contact, update the multipliers of all
+///    contacts. Activate the tangent planes that are needed. If neither was needed, return.
+/// 4. If three updates in a row have neither reduced the P99 below 0.99 of its minimum so far nor
+///    activated a plane, roll back and return.
 /// 5. Solve again from the last equilibrium. If that fails or is rejected, roll back and return the
 ///    last equilibrium; else continue with step 2, at most kMaxMultiplierUpdates times.
 ///
@@ -41,10 +42,11 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 /// \param nodes_L   nodes in the reference configuration [mm].
 /// \param start     displacements of all nodes [mm], first argument of the first solve.
 /// \param solve     finds the equilibrium from a start.
-/// \returns the last equilibrium with the histories of all solves, each except the first without
-///   its start (a solve that failed ends with the line of the equilibrium returned to); the first
-///   outcome if it did not converge, with kRejected if a contact rejects it; an outcome that was
-///   cancelled or ran out of memory.
+/// \returns
+///   - the first outcome if it did not converge, or with kRejected if a contact rejects it;
+///   - an outcome that was cancelled or ran out of memory;
+///   - else the last equilibrium, with the histories of all solves, each except the first without
+///     its start. After a solve that failed, the line of the equilibrium returned to is repeated.
 [[nodiscard]] fem::NewtonOutcome solve_augmented_lagrangian(
     std::span<ContactTerm> contacts, std::span<const Vec3> nodes_L, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& start)>& solve);

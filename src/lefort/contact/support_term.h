@@ -1,6 +1,6 @@
 /// \file
-/// Elastic supports of tissue on a rigid bone, as a force term of the solver: bilateral, with
-/// different stiffness along the bone's normal and along its surface.
+/// Elastic supports of tissue on a rigid bone, as a force term of the solver, with different
+/// stiffness along the bone's normal, in compression and in tension, and along its surface.
 ///
 /// A thin elastic layer between two bodies acts as distributed springs (\cite goland1944, \cite
 /// klarbring1991). For a node with area A, normal n and rest position X in the frame B of the bone,
@@ -12,7 +12,8 @@
 ///   W   = A/2 (k_n e^2 + k_t |s_t|^2)
 ///   r   = dW/dx, K = d2W/dx2 = A (k_n (m (x) m + e Hess e) + k_t (I - n (x) n)),  m = grad e
 ///
-/// k_n may differ in compression and tension; a support without tension separates.
+/// k_n may differ in compression (e < 0) and tension (e > 0); with k_n = 0 in tension the support
+/// separates. W, r and K are in the frame of the patient. The PSD-projected K omits e Hess e.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -34,13 +35,13 @@ struct NodalSupport {
   double tension_mpa_per_mm = 0.0;     ///< k_n >= 0 in tension, e > 0.
   double tangential_mpa_per_mm = 0.0;  ///< k_t >= 0.
   bool follows_surface = false;        ///< e is measured by the distance query of the bone.
-  /// Fraction w of the motion of the bone that the support follows, 0 to 1. Below 1, X moves by
-  /// w (X_LB X - X) and the normal keeps its direction in L.
+  /// Fraction w of the motion of the bone that the support follows, 0 to 1. Below 1, the support is
+  /// at x_0 + w (X_LB X - x_0), where x_0 is the reference position of the node in L, and the
+  /// normal keeps its direction in L.
   double motion_fraction = 1.0;
 };
 
-/// Motion of supported tissue relative to its bone, without supports that follow a fraction of its
-/// motion.
+/// Motion of supported tissue relative to its bone. Supports with motion_fraction < 1 are left out.
 struct SupportStatistics {
   Index nodes = 0;
   double max_slip_mm = 0.0;         ///< Of |s_t|.
@@ -65,7 +66,8 @@ class SupportTerm final : public fem::ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return {&supports_[std::size_t(item)].node, 1};
   }
-  /// The distance of a support that follows the surface is constant beyond the range of the query.
+  /// Beyond the range of the query the distance of a support that follows the surface is constant,
+  /// so that it exerts no normal force there.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 

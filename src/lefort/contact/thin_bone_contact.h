@@ -5,8 +5,8 @@
 /// a plate it is the far side, and in a ridge it is one of the flanks, while the tissue must leave
 /// over the tip. Each point therefore stores the closest point and the normal of the last accepted
 /// state in which it had not crossed the medial surface (contact reference). Once it has crossed,
-/// the tangent plane of that state is its constraint. A plane has no edge, and its potential is
-/// convex.
+/// the tangent plane of that state is its constraint. The half-space behind a plane has no edges,
+/// and its potential is convex.
 ///
 ///        tangent plane - - - - ___ - - - -     reference: closest point and normal at the tip
 ///                             / o \            o: closest are the flanks, in alternation

@@ -82,8 +82,9 @@ std::vector<WeightedPoint> linear_rule() {
   return rule;
 }
 
-/// Quadratic faces: a rule on each triangle of the division. Three points are exact for the
-/// product of shape functions of a tri6 on a flat face; those of a quad8 are of degree 3.
+/// Quadratic faces: a rule on each triangle of the division. Three points are exact to degree 2:
+/// for the product of a weight and a hat function on a flat tri6. A quad8 has six points, as its
+/// shape functions are of degree 3.
 template <class Shape>
 std::vector<WeightedPoint> divided_rule() {
   std::vector<WeightedPoint> rule;

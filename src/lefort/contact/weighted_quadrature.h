@@ -7,7 +7,8 @@
 /// and they sum to one. The weighted gap of a node is then its own gap wherever the gap varies
 /// linearly on the faces around it; only curvature is averaged. Shape functions of quadratic faces
 /// integrate to zero or less at their corners. There M_a is dual to the linear hat functions on the
-/// division of the face into triangles (\cite puso2008).
+/// division of the face into triangles (\cite puso2008). On quad8 this holds approximately: the
+/// functions of the center are divided between the mid-edge nodes.
 #pragma once
 
 #include <lefort/contact/face_quadrature.h>

@@ -8,9 +8,10 @@ namespace lefort::fem {
 enum class Tangent {
   /// d2W/dx2: gives quadratic convergence near a minimum, but may be indefinite.
   kExact,
-  /// Contributions with negative eigenvalues are projected to positive semidefinite ones where that
-  /// is possible (Teran et al. 2005). Unlike a diagonal shift this affects only the nodes
-  /// concerned.
+  /// The exact tangent without parts that are indefinite far from equilibrium: of contact, of
+  /// supports that follow a surface, of averaged pressures and of follower pressures. (Teran et al.
+  /// 2005 project element matrices; here they stay exact, so that this tangent may be indefinite.)
+  /// Unlike a diagonal shift this affects only the nodes concerned.
   kPsdProjected,
   /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
   /// the symmetric part.

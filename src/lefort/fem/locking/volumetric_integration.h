@@ -51,9 +51,9 @@ enum class VolumetricIntegration {
   kFullIntegration  ///< At each integration point; locks; for comparison.
 };
 
-/// Fraction of the strain energy of tet4 and wedge6 that is evaluated in the elements. Without it a
-/// single element could invert without resistance. docs/studies/locking-remedies.md compares
-/// values.
+/// Fraction of the strain energy of tet4 and wedge6 that is evaluated in the elements. Without it
+/// one element of a mesh could invert without resistance, while the averages with its neighbors
+/// stay admissible. docs/studies/locking-remedies.md compares values.
 inline constexpr double kElementStabilizationFraction = 0.05;
 
 }  // namespace lefort::fem

@@ -12,9 +12,9 @@ namespace lefort::fem {
 /// Psi(F) = Psi_iso(F) + U(J), where Psi_iso depends on J^(-1/3) F only.
 ///
 /// \cite bonet2008, section 6.5; \cite holzapfel2000, section 6.4. Elements that must not lock
-/// evaluate `isochoric` at F and `volume` at an averaged J. At small strain this is Hooke's law
-/// with the bulk modulus volume.kappa_mpa and the shear modulus of `isochoric`. With kappa of the
-/// order of the shear modulus the law is compressible. Every function requires J > 0.
+/// evaluate `isochoric` at F and `volume` at an averaged J. At small strain an isotropic law is
+/// Hooke's law with the bulk modulus volume.kappa_mpa and the shear modulus of `isochoric`. With
+/// kappa of the order of the shear modulus the law is compressible. Every function requires J > 0.
 ///
 /// \tparam Isochoric  an isochoric law: energy(F), stress(F), tangent(F), validate().
 template <class Isochoric>

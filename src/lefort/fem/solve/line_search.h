@@ -19,8 +19,8 @@ struct Step {
 ///   W(x + alpha dx) <= W(x) + c alpha r . dx
 ///
 /// or, if the change expected on the right is within the round-off of W, with a decrease of |r|.
-/// The next trial is where the slope, interpolated linearly, vanishes; after an inadmissible state
-/// half the step.
+/// The next trial is where the slope, interpolated linearly, vanishes, but between 0.1 and 0.5 of
+/// the last one; after an inadmissible state 0.5 of it.
 /// \param dx       direction of descent.
 /// \param options  c = sufficient_decrease; max_backtracks.
 /// \returns the step, or nothing if there was none after max_backtracks.

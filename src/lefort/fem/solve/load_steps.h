@@ -76,8 +76,8 @@ class LoadStepper {
   ///
   /// An increment that fails is halved; after an easy one the next is larger; each call begins with
   /// at least first_increment. The initial guess is extrapolated from the last two converged
-  /// states. If it is inadmissible, stagnates soon or leads to a rejected state, the last state is
-  /// the guess.
+  /// states. If it is inadmissible, stagnates within target_iterations or leads to a rejected
+  /// state, the increment is tried again with the last state as guess.
   ///
   /// \param t_end     load level.
   /// \param progress  checked before each increment for a request to stop.

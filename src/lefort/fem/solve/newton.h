@@ -39,8 +39,8 @@ class NonlinearSystem {
   /// \returns why x is inadmissible, for messages; empty if it is admissible or unknown.
   [[nodiscard]] virtual std::string inadmissible_cause(const VectorX& /*x*/) const { return {}; }
 
-  /// \returns the symmetric part of dr/dx or its PSD projection [N/mm]: the lower triangle with the
-  ///   whole diagonal, always with the same pattern.
+  /// \returns the symmetric part of dr/dx, or the PSD-projected tangent (tangent.h) [N/mm]: the
+  ///   lower triangle with the whole diagonal, always with the same pattern.
   /// \pre x is admissible.
   [[nodiscard]] virtual linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 
@@ -141,7 +141,8 @@ struct NewtonOutcome {
 ///    (\cite eisenstat1996, choice 2).
 /// 3. **Direction**: K dx = -r. If K is not positive definite, it is replaced by the first positive
 ///    definite one of
-///      - (1 - beta) K + beta K+, where K+ is the PSD-projected tangent, for growing beta <= 1;
+///      - (1 - beta) K + beta K+, where K+ is the PSD-projected tangent (tangent.h), for growing
+///        beta <= 1;
 ///      - K+ + tau D, where D is the diagonal of K+, for growing tau (\cite nocedal2006, algorithm
 ///        3.3).
 /// 4. **Forces without a potential**: if A != 0, also (K + A) dx' = -r by GMRES; the factor of step
@@ -152,13 +153,13 @@ struct NewtonOutcome {
 ///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
 ///    it. If the expected change of W is within its round-off, |r| must decrease instead. The
 ///    tangent of step 3 is positive definite, so that dx descends.
-/// In steps 5 to 7, alpha is at most NewtonOptions::max_step_length.
 /// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
 ///    (3.5)) fails and W decreases.
 /// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a
 ///    decrease of W by more than its round-off (after a step with tau > 0: by more than a fraction
 ///    of the decrease so far), or of the minimum of |r| by 10 %.
 ///
+/// In steps 5 to 7, alpha is at most NewtonOptions::max_step_length.
 /// In steps 5 to 8, W contains the integral of f . dx along the steps (minus the work of the
 /// loads), by the trapezoidal rule: (f(x) + f(x + alpha dx)) / 2 . alpha dx for each step.
 /// Constants are in newton_constants.h.
