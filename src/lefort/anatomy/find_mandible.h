@@ -9,14 +9,19 @@ namespace lefort::anatomy {
 /// The voxels of `bone` that are the mandible; empty if the scan does not contain it, or if it
 /// cannot be separated from the skull.
 ///
-/// A marker-controlled watershed (\cite vincent1991). Markers are the components of bone that
-/// remain after removing voxels of low density and an erosion, from the weakest to the strongest of
-/// a list of both. The marker of the mandible is the largest component except the skull that has at
-/// least the size, width and depth of a mandible, the height of its rami, and lies as a mandible:
-/// as far to the front as the skull (vertebrae do not), in its middle (clavicles do not), and up to
-/// it. The hyoid bone is smaller. It and the largest marker, the skull, then grow, thick and dense
-/// bone first, so that they meet in the joint and at the occlusion. The result is one component of
-/// 10 to 150 ml, teeth included.
+/// If a connected component of bone has size and position of a mandible, that is the result.
+/// Otherwise: a marker-controlled watershed (\cite vincent1991). Voxels of low density are removed
+/// and the rest is eroded, both in steps from weak to strong, until a component has size and
+/// position of a mandible. The largest of these, except the skull, is the marker of the mandible:
+///
+///   - size: at least the volume, width and depth of a mandible. After more than the weakest
+///     erosion, also the height of the rami. The hyoid bone is smaller.
+///   - position: below the center of the skull and up to it; in its middle (clavicles are not); its
+///     front in the anterior part of the length of the skull (vertebrae lie behind it).
+///
+/// This marker and the largest one, the skull, then grow, thick and dense bone first, so that they
+/// meet in the temporomandibular joint and at the occlusion. The result is one component of 10 to
+/// 150 ml, teeth included.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone, including marrow. \pre on the grid of `ct`.

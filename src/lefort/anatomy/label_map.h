@@ -12,12 +12,12 @@ namespace lefort::anatomy {
 /// The values stored in a label map and in our `.seg.nrrd` files.
 enum class Tissue : std::uint8_t {
   kBackground = 0,  ///< Outside the patient: air, table, head holder.
-  kBone = 1,        ///< Without the mandible where that is segmented.
+  kBone = 1,        ///< Skull and other bone; also the mandible if it cannot be separated.
   kSoftTissue = 2,  ///< Facial and other soft tissue outside the cranial cavity.
-  kAirway = 3,      ///< Inner air that is connected with the outside: nose, pharynx.
-  kBrain = 4,       ///< Everything soft inside the cranial cavity.
-  kSinus = 5,       ///< Air enclosed by bone: maxillary, frontal, sphenoid, mastoid cells.
-  kMandible = 6,    ///< If it is separated from the skull in the scan.
+  kAirway = 3,      ///< Air inside the patient that is no sinus: nose, pharynx, mouth.
+  kBrain = 4,       ///< All soft tissue inside the cranial cavity.
+  kSinus = 5,       ///< Air with bony walls: paranasal sinuses, mastoid cells.
+  kMandible = 6,    ///< With its teeth, if it can be separated from the skull.
   kMuscle = 7,      ///< Labeled by the user; not segmented automatically.
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// Segments bone, mandible, facial tissue, brain, airway and sinuses in a head CT, and removes
+/// Segments skull, mandible, soft tissue, brain, airway and sinuses in a head CT, and removes
 /// everything that is not the patient.
 #pragma once
 
@@ -20,7 +20,7 @@ struct SegmentationOptions {
   double min_bone_ml = 0.2;
   /// Air entrances up to twice as wide, such as nostrils, belong to the patient; > 0.
   double nostril_radius_mm = 5.0;
-  /// Openings up to twice as wide do not make a sinus part of the airway; > 0.
+  /// A sinus whose ostium is up to twice as wide as this is not part of the airway; > 0.
   double ostium_radius_mm = 2.0;
   /// Smaller air pockets in soft tissue become soft tissue; >= 0.
   double min_air_ml = 0.05;
@@ -30,11 +30,11 @@ struct SegmentationOptions {
 
 /// Labels every voxel of a head CT.
 ///
-/// Bone: connected dense components, with the marrow they enclose. The mandible is labeled
-/// separately if it is separated from the skull in the scan (find_mandible.h). Brain: the soft
-/// tissue from which rays hit bone in at least 85 % of 26 directions, extended by a watershed to
-/// the narrowest cross-section of each opening of the skull, whether foramen or defect, with a
-/// smooth border. A scan without a cranial cavity has no brain; this is not an error.
+/// Bone: connected dense components, with the marrow they enclose. The mandible has its own label
+/// if it can be separated from the skull (find_mandible.h). Brain: the soft tissue from which rays
+/// hit bone in at least 85 % of 26 directions. A watershed extends it to the narrowest
+/// cross-section of each opening of the skull, whether foramen or defect; its border is smooth. A
+/// scan without a cranial cavity has no brain; this is not an error.
 ///
 /// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
 ///   become background unless they are fused with the head.

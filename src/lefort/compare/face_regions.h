@@ -39,7 +39,7 @@ class FaceRegions {
   /// Po and Or: with the line Sn-N' as up). Heights are those of landmarks, widths are measured
   /// from the mid-plane:
   ///
-  ///     N' ----- /\ -----     nose       Sn to N'; 1.15 times as wide as Al at Sn, En at N'
+  ///     N' ----- /\ -----     nose       Sn to N'; at Sn 1.15 times as wide as Al, at N' as En
   ///             /  \          upper lip  Stm to Sn, as wide as Ch
   ///     Sn ----/----\----     lower lip  midpoint of Pg' and Li, to Stm; as wide as Ch
   ///     Stm --|------|---     chin       Me' to midpoint of Pg' and Li, 1.2 times as wide as Ch

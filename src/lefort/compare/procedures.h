@@ -14,14 +14,14 @@
 namespace lefort::compare {
 
 /// The procedure of each segment: by the template of its osteotomy; without one, by the landmarks
-/// on it (Zy, FZ: Le Fort III; Or, N: II; ANS, A, U1: I; L1, B: sagittal split; Pg, Gn, Me:
-/// genioplasty); without these, that of the segment it was cut from. A Le Fort II or III by
-/// distraction is a midface distraction.
+/// on it, in this order: Zy, FZ: Le Fort III; Or, N: Le Fort II; ANS, A, U1: Le Fort I; L1, B:
+/// sagittal split; Pg, Gn, Me: genioplasty; without these, that of the segment it was cut from. A
+/// Le Fort II or III by distraction is a midface distraction.
 ///
 /// \param planned    the segments.
 /// \param landmarks  before surgery.
 /// \param bones      of the landmarks (plan::bones_of_landmarks()).
-/// \returns one entry per segment.
+/// \returns one entry per segment; kUnknown if nothing decides.
 [[nodiscard]] std::vector<Procedure> procedures_of(
     std::span<const plan::PlannedSegment> planned, std::span<const plan::Landmark> landmarks,
     std::span<const std::optional<std::size_t>> bones);

@@ -25,8 +25,8 @@ struct FaceAxes {
 
 /// \param landmarks_L  before surgery.
 /// \returns axes with the Frankfurt horizontal (Po to Or) as anterior and patient_left_axis() as
-///   left. Without Po and Or, anterior is the direction normal to left and the z axis; if sides are
-///   exchanged, the axes are those of L.
+///   left. Without Po and Or, anterior is normal to left and to the z axis. If right and left
+///   landmarks are exchanged, the axes are those of L.
 [[nodiscard]] FaceAxes face_axes(std::span<const plan::Landmark> landmarks_L);
 
 /// Name of the skin anterior to the anterior surface of a segment (facing_movement()).
@@ -41,7 +41,7 @@ struct SoftTissueRatio {
   bool is_main_axis = false;  ///< The axis with the largest movement of the segment.
   std::string soft;           ///< Landmark of the skin, with its side; kUpperLip; or kFacingSkin.
   std::string hard;           ///< Landmark of bone; or kSegment: mean of its anterior surface.
-  double soft_mm = 0.0;       ///< Displacement to anterior, superior, or left.
+  double soft_mm = 0.0;       ///< Displacement of the skin to anterior, superior, or left.
   double hard_mm = 0.0;       ///< Of the bone, as soft_mm; at least 1 mm in magnitude.
   std::optional<PublishedRange> published{};
 
@@ -70,10 +70,11 @@ struct MovedSegments {
 /// A ratio is given if the bone moves by 1 mm or more along the axis: below that, it is mostly the
 /// error of the displacements. Published ranges depend on the procedure: the template of the
 /// osteotomy; without one, the landmarks on the segment; without these, the segment it was cut
-/// from. If a Le Fort I segment and a mandible both move, studies of both jaws are included.
+/// from. If a Le Fort I segment and the distal segment of a sagittal split both move, studies of
+/// bimaxillary surgery are included.
 ///
 /// \param skin_L           before surgery.
-/// \param displacement_mm  one per vertex of the skin.
+/// \param displacement_mm  predicted, one per vertex of the skin.
 /// \param segments         \pre one planned segment, surface and pose each.
 /// \param landmarks_L      before surgery; may be empty.
 /// \returns the ratios by segment, then axis; of each the facing skin first.

@@ -12,9 +12,9 @@
 
 namespace lefort::plan {
 
-/// A landmark belongs to the closest bone within 5 mm. A landmark on a cut, equally close to both
-/// sides (by 0.5 mm, half the accuracy of picking), belongs to the segment; between two segments,
-/// to the first one in the plan.
+/// A landmark belongs to the closest bone within 5 mm. A landmark on a cut is almost equally close
+/// to both sides: up to a difference of 0.5 mm, half the accuracy of picking, it belongs to the
+/// segment; between two segments, to the first one in the plan.
 ///
 /// \param landmarks_L  before surgery.
 /// \param cut          the bones before they move.

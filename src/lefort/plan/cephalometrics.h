@@ -23,14 +23,16 @@ struct Measurement {
 
 /// Computes all measurements (defined in docs/guide/landmarks.md), always with the same rows.
 ///
-/// Angles and profile distances are computed in lateral projection, along patient_left_axis(frame),
+/// Angles and distances are computed in lateral projection, along patient_left_axis(frame),
 /// as on a lateral cephalogram without magnification. The Frankfurt horizontal is that of `frame`.
-/// Widths are distances in space. Paired landmarks are represented by their midpoint.
+/// Widths are three-dimensional distances of pairs, not projected. Otherwise a pair is represented
+/// by its midpoint.
 ///
 /// \param landmarks  to be measured.
 /// \param frame      landmarks that define the orientation of the head; those before surgery, so
 ///   that the frame does not move with a segment.
-/// \returns the table, or kPlanInvalid if sides of `frame` are exchanged (see patient_left_axis()).
+/// \returns the table, or kPlanInvalid if right and left of `frame` are exchanged (see
+///   patient_left_axis()).
 [[nodiscard]] Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
                                                        std::span<const Landmark> frame);
 

@@ -1,5 +1,5 @@
 /// \file
-/// The solids that an osteotomy cuts with. For this layer.
+/// The solids by which an osteotomy cuts bone. For this layer.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,7 +11,7 @@
 
 namespace lefort::plan {
 
-/// Limit of the kerf; no surgical saw is wider.
+/// Limit of the kerf; no surgical saw blade is thicker.
 inline constexpr double kMaxKerf_mm = 5.0;
 
 /// \param osteotomy  of any kind.

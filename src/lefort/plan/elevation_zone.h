@@ -1,5 +1,5 @@
 /// \file
-/// Where a procedure elevates soft tissue from bone: around the cut faces of its osteotomy.
+/// Where the surgeon elevates periosteum and soft tissue: around the cut faces of the osteotomy.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -18,8 +18,9 @@ struct ElevationMargins {
   double stationary_mm = 8.0;  ///< On bone on the other side of the cut, >= 0.
 };
 
-/// Margins of a procedure; table and sources in docs/theory/interface.md. The segment keeps a
-/// pedicle of soft tissue for its blood supply, so that less is elevated from it.
+/// Margins of a procedure. docs/theory/interface.md has the table and the reasons; no measurements
+/// are known. The segment keeps a pedicle of soft tissue for its blood supply, so that less is
+/// elevated from it.
 ///
 /// \param procedure  none: margins of an osteotomy without a template.
 [[nodiscard]] ElevationMargins elevation_margins(std::optional<OsteotomyTemplate> procedure);

@@ -28,13 +28,13 @@ namespace lefort::plan {
 ///     geometry/fit_rigid.h);
 ///   - a distance exceeds the tolerance (the message names the landmark);
 ///   - the rotation exceeds 45 degrees, or the sides of the targets contradict L (see
-///     patient_left_axis()). Both indicate exchanged sides: a rigid motion can also bring
-///     three points to their mirror image.
+///     patient_left_axis()). Both indicate exchanged sides. The tolerance alone does not find them,
+///     because a rotation can also bring three points to their mirror image.
 [[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                              std::span<const Landmark> targets,
                                                              double tolerance_mm);
 
-/// Days of distraction along one direction.
+/// Days of activation of a distractor along one direction.
 struct DistractionPhase {
   Vec3 towards_L;           ///< Not zero.
   double mm_per_day = 1.0;  ///< > 0.

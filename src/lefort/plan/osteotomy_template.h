@@ -1,8 +1,8 @@
 /// \file
 /// Standard osteotomies, positioned by landmarks. Described in docs/guide/osteotomies.md.
 ///
-/// They consist of planes, so they only approximate surgical osteotomy lines: a starting point for
-/// planning, not a cutting guide.
+/// They consist of planes, so they only approximate surgical osteotomy lines, and do not know tooth
+/// roots or nerves: a starting point for planning, not a cutting guide.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -26,13 +26,14 @@ namespace lefort::plan {
 
 /// Distances of the planes from the landmarks.
 struct TemplateOptions {
-  /// Le Fort I: above ANS, parallel to the palate, above the roots of the teeth.
+  /// Le Fort I: above ANS, parallel to the palate. Usually above the tooth roots; not checked.
   double above_palate_mm = 5.0;
-  /// Le Fort I to III: posterior to PNS, at the pterygomaxillary junction.
+  /// Le Fort I to III: of the posterior plane at the pterygomaxillary junction, posterior to PNS.
   double behind_palate_mm = 0.0;
-  /// Le Fort III: posterior to FZ, through the lateral orbital wall and the zygomatic arch.
+  /// Le Fort III: of the lateral plane through lateral orbital wall and zygomatic arch, posterior
+  /// to FZ.
   double behind_rim_mm = 12.0;
-  double above_pogonion_mm = 6.0;  ///< Genioplasty: of the cut, above Pg.
+  double above_pogonion_mm = 6.0;  ///< Genioplasty: of the anterior start of the cut, above Pg.
   double split_depth_mm = 5.0;     ///< Sagittal split: of the sagittal plane, medial to Go.
   double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
 };

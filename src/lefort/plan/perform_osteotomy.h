@@ -9,9 +9,10 @@
 
 namespace lefort::plan {
 
-/// Fragments: pieces within the cut that do not belong to the segment, such as spicules, islands,
-/// and other bones that extend into it (the coronoid process into a midface). Pieces smaller than
-/// either bound stay with the remainder. A piece at an anchor point needs only the volume.
+/// Which pieces within the cut are fragments. Fragments do not belong to the segment: spicules,
+/// islands, and other bones that extend into the cut (the coronoid process into a midface). A piece
+/// smaller than either bound is a fragment and stays with the remainder. For a piece at an anchor
+/// point, only the volume counts.
 struct OsteotomyOptions {
   double min_piece_ml = 0.5;         ///< >= 0.
   double min_piece_fraction = 0.05;  ///< Of the largest piece's volume, 0 to 1.
@@ -34,7 +35,7 @@ struct OsteotomyResult {
 ///
 /// \param skull_L    closed; several bodies and cavities are allowed.
 /// \param osteotomy  planes or curves.
-/// \param options    bounds of fragments.
+/// \param options    below these bounds, pieces are fragments.
 /// \param progress   of the cuts; may request a stop.
 /// \returns both parts, or
 ///   - kPlanInvalid      the osteotomy has no plane or curve, or one that is not finite, has no

@@ -12,11 +12,11 @@ namespace lefort::plan {
 
 /// Standard osteotomies (osteotomy_template.h), and the landmarks that place them.
 enum class OsteotomyTemplate {
-  kLeFort1,        ///< The lower maxilla with the teeth: ANS, PNS.
-  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or-R, Or-L, ANS, PNS.
+  kLeFort1,        ///< The tooth-bearing lower maxilla: ANS, PNS.
+  kLeFort2,        ///< The pyramid of maxilla and nose: N, Or on both sides, ANS, PNS.
   kLeFort3,        ///< The midface with the zygomas: N, Or, FZ on both sides, ANS, PNS.
   kGenioplasty,    ///< The chin: Me, Pg, Go on both sides.
-  kSagittalSplit,  ///< BSSO, the distal segment: Me, and Go, Co, L6 on both sides.
+  kSagittalSplit,  ///< Bilateral (BSSO), the distal segment: Me; Go, Co, L6 on both sides.
 };
 
 /// Extent of a bounded cut plane: a rectangle centered at the plane's point.
@@ -36,9 +36,9 @@ struct CutPlane {
 /// A closed curve extruded along a direction; the segment lies inside.
 struct CutCurve {
   std::vector<Vec3> points_L;  ///< Three or more, in order; the last is joined to the first.
-  Vec3 direction_L;            ///< Into the bone; not zero. The curve is projected along it.
-  /// From the first point of the curve along the direction; none: through all bone. In the opposite
-  /// direction, the cut is unbounded.
+  Vec3 direction_L;            ///< Into the bone; not zero. The curve is moved along it and cuts.
+  /// Depth of the cut, from the first point of the curve along the direction; none: through all
+  /// bone. In the opposite direction, the cut is unbounded.
   std::optional<double> depth_mm = std::nullopt;
 };
 

@@ -17,7 +17,7 @@ namespace lefort::predict {
 /// One segment at a step.
 struct SegmentStep {
   RigidTransform X_LB;
-  contact::ContactStatistics contact;   ///< Of the tissue with it; zero if tissue is bonded.
+  contact::ContactStatistics contact;   ///< Of the tissue with the segment; zero if bonded.
   contact::SupportStatistics supports;  ///< Of elevated and sliding tissue on it.
 };
 
@@ -58,8 +58,8 @@ struct PredictionIterate {
 
 struct FacePrediction {
   double contact_stiffness_mpa_per_mm = 0.0;      ///< k_c; 0 without contact.
-  double rest_penetration_mm = 0.0;               ///< Of the tissue mesh into segments at rest.
-  std::vector<PredictionStep> steps;              ///< That converged; all, unless it failed.
+  double rest_penetration_mm = 0.0;               ///< Of the tissue into segments at rest.
+  std::vector<PredictionStep> steps;              ///< Converged ones; all, unless it failed.
   std::optional<Error> failure;                   ///< Why the end of the path was not reached.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
   /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is bonded

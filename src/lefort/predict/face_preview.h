@@ -42,7 +42,7 @@ struct PreviewModel {
 /// \param model       the face at rest.
 /// \param skin_L      the surface whose displacement is computed.
 /// \param tissue      materials and element size.
-/// \param boundary    its segment interface is used.
+/// \param boundary    its interface is used.
 /// \param spacing_mm  of the scan.
 /// \returns the model; or
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;

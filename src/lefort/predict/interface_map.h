@@ -24,9 +24,9 @@ enum class InterfaceCondition : std::uint8_t {
   kFree,        ///< No traction: skin.
   kContact,     ///< Bones push it, without friction; nothing holds it.
   kBonded,      ///< Moves with its bone.
-  kElevated,    ///< Elastic layer on its bone, with normal and tangential stiffness.
-  kSliding,     ///< Stays on its bone, moves freely along it.
-  kFixed,       ///< Does not move, and lies on no bone.
+  kElevated,    ///< Connected to its bone by an elastic layer, normal and tangential.
+  kSliding,     ///< Stays on its bone, moves freely along it; near air it may separate.
+  kFixed,       ///< Does not move, and is not assigned to a bone.
   kRoller,      ///< OuterBoundary::kRoller.
   kFoundation,  ///< OuterBoundary::kFoundation.
 };
@@ -35,12 +35,12 @@ enum class InterfaceCondition : std::uint8_t {
 enum class InterfaceRule : std::uint8_t {
   kPainted,       ///< boundary.labels.
   kOsteotomy,     ///< Bone near an osteotomy.
-  kJoint,         ///< Bone near bone that moves relative to it: teeth, joint.
+  kJoint,         ///< Bone near bone that moves relative to it: occluding teeth, jaw joint.
   kSegment,       ///< A mobilized segment.
   kStationary,    ///< Stationary bone.
   kBrain,         ///< Border of the cranial cavity.
   kScanBoundary,  ///< The scan ends here.
-  kCutBoundary,   ///< The region ends here.
+  kCutBoundary,   ///< The meshed region ends here; not an osteotomy.
   kSkin,          ///< Outer surface.
   kAir,           ///< Inner surface that lies on no bone: airway, sinus, oral cavity.
   kLips,          ///< Where the lips touch each other at rest (separate_lips.h).
@@ -95,11 +95,11 @@ struct NodeInterface {
   InterfaceCondition condition = InterfaceCondition::kFree;
   InterfaceRule rule = InterfaceRule::kAir;
   std::int32_t bone = kNoBone;  ///< Index of the segment, kStationaryBone or kNoBone.
-  bool may_separate = false;    ///< kSliding: air is near, so that no tension holds it.
+  bool may_separate = false;    ///< kSliding: air or the other lip is near, so it can lift off.
 };
 
-/// A node in a plane where the mesh ends. Where a segment crosses that plane, the segment continues
-/// beyond the scan and takes tissue along: the node then follows a fraction of its motion.
+/// A node in a plane where the mesh ends. If a segment crosses that plane, it continues beyond the
+/// scan and moves the tissue there: the node then follows a fraction of its motion.
 struct NodePlane {
   std::int32_t node = 0;
   Vec3 normal_L = Vec3::UnitZ();           ///< Unit length.

@@ -11,14 +11,15 @@
 
 namespace lefort::predict {
 
-/// How tissue is connected to bone (docs/theory/interface.md).
+/// How soft tissue is attached to bone (docs/theory/interface.md).
 enum class TissueInterface {
   kClinical,  ///< Bonded, elevated or sliding, by anatomy and osteotomy (interface_map.h).
-  kBonded,    ///< Tissue on a mobilized segment moves with it; elevated tissue is free.
-  kContact,   ///< As kBonded, but a segment only pushes, without friction (\cite lefort-paper).
+  kBonded,    ///< Tissue on a mobilized segment moves with it; elevated tissue is not attached.
+  kContact,   ///< As kBonded, but a segment only pushes tissue, without friction
+              ///< (\cite lefort-paper).
 };
 
-/// Boundary condition where the meshed tissue continues beyond the mesh.
+/// Boundary condition where the mesh ends but the tissue of the patient continues.
 enum class OuterBoundary {
   kRoller,      ///< The displacement normal to the plane is zero; tangential motion is free.
   kFree,        ///< No traction.
@@ -103,19 +104,19 @@ struct TissueOptions {
 struct BoundaryOptions {
   TissueInterface interface = TissueInterface::kClinical;
   OuterBoundary scan_boundary = OuterBoundary::kRoller;  ///< Where the scan ends.
-  OuterBoundary cut_boundary = OuterBoundary::kRoller;   ///< Where the region ends.
+  OuterBoundary cut_boundary = OuterBoundary::kRoller;   ///< Where the meshed region ends.
   /// Thickness of the tissue beyond an elastic foundation, > 0.
   double foundation_mm = 20.0;
   /// kClinical: tissue on bone within this distance of an osteotomy is elevated; if empty, the
-  /// distances of the procedure (plan/elevation_zone.h). Else: tissue on stationary bone within
-  /// this distance of a segment is elevated; if empty, kElevationMargin_mm.
+  /// distances of the procedure (plan/elevation_zone.h). Other interfaces: tissue on stationary
+  /// bone within this distance of a segment is not attached; if empty, kElevationMargin_mm.
   std::optional<double> elevation_margin_mm = std::nullopt;
   /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
-  /// osteotomy separates from it, slides: teeth, gingiva, and the joint of the mandible; >= 0.
+  /// osteotomy separates from it, slides: occluding teeth, jaw joint; >= 0.
   double joint_margin_mm = 8.0;
   /// Thickness of the elastic layer between bone and elevated tissue, > 0 (interface_supports.h).
   double interface_layer_mm = 1.0;
-  /// Contact snap distance: boundary within this distance of a bone lies on it.
+  /// Contact snap distance: tissue boundary within this distance of a bone counts as lying on it.
   double contact_snap_mm = 0.8;
   Lips lips = Lips::kSeparate;
 };
