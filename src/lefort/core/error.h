@@ -61,7 +61,8 @@ using Result = tl::expected<T, Error>;
   if (!result) return tl::unexpected(std::move(result).error()); \
   declaration = *std::move(result)
 
-/// LEFORT_TRY(const auto x, f()); initializes x with the value of f(), or returns its error.
+/// LEFORT_TRY(const auto x, f()); initializes x with the value of f(), or returns its error. It
+/// expands to several statements: a branch of an `if` needs braces around it.
 #define LEFORT_TRY(declaration, ...) \
   LEFORT_TRY_INNER(LEFORT_CONCAT(lefort_try_, __LINE__), declaration, (__VA_ARGS__))
 

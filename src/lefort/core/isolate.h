@@ -6,8 +6,8 @@
 
 namespace lefort {
 
-/// Runs body(). While a thread waits for a parallel loop inside body(), it executes no iterations
-/// of loops outside. They may be long and would delay the code after the inner loop.
+/// Calls body(). While the thread waits for a parallel loop inside body(), it executes no iteration
+/// of a loop outside: that might take long and delay the code after the inner loop.
 ///
 /// \param body  is called once, in the calling thread.
 void isolate(const std::function<void()>& body);

@@ -23,15 +23,17 @@ namespace lefort {
 /// Iterations per block. It affects results: sums are computed block by block.
 inline constexpr Index kParallelBlock = 256;
 
-/// Limits the threads of every parallel loop during its lifetime; 0 means all hardware threads.
+/// Limits the threads of every parallel loop of the process during its lifetime. Of several limits
+/// the smallest one holds.
 class ThreadLimit {
  public:
+  /// \param threads  >= 0; 0: no limit.
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
   ThreadLimit(const ThreadLimit&) = delete;
   ThreadLimit& operator=(const ThreadLimit&) = delete;
 
-  /// \returns the number of threads that loops use now.
+  /// \returns the maximum number of threads of a loop that starts now.
   [[nodiscard]] static int current();
 
  private:
@@ -42,6 +44,7 @@ class ThreadLimit {
 /// not write to the same data.
 ///
 /// \param block  iterations per block, > 0.
+/// \throws what a body throws.
 template <class Body>
 void parallel_for_blocks(Index count, const Body& body, Index block = kParallelBlock) {
   LEFORT_CHECK(count >= 0 && block > 0);
@@ -57,7 +60,7 @@ void parallel_for_blocks(Index count, const Body& body, Index block = kParallelB
 #endif
 }
 
-/// Calls body(i) for every i in [0, count), in any order.
+/// Calls body(i) for every i in [0, count), in any order; as parallel_for_blocks().
 template <class Body>
 void parallel_for(Index count, const Body& body, Index block = kParallelBlock) {
   parallel_for_blocks(
@@ -70,7 +73,8 @@ void parallel_for(Index count, const Body& body, Index block = kParallelBlock) {
 
 /// Sums term(i) over [0, count) in an order that depends on count only.
 ///
-/// \param zero  initial value of the sums.
+/// \param zero  the sum of no terms.
+/// \returns the sum.
 template <class Value, class Term>
 [[nodiscard]] Value deterministic_sum(Index count, const Value& zero, const Term& term) {
   std::vector<Value> partial(std::size_t((count + kParallelBlock - 1) / kParallelBlock), zero);

@@ -23,8 +23,8 @@ namespace lefort::field {
 
 /// A distance field: immutable, cheap to move, safe for queries from several threads.
 ///
-/// A query returns kBand exactly where all samples around the point are known: at least up to
-/// guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. Cells are kUnknown
+/// The zone of a query is kBand exactly where all samples around the point are known: at least up
+/// to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. Cells are kUnknown
 /// where the surface is open or inconsistently oriented, so that samples are in conflict.
 class DistanceField {
  public:
@@ -52,11 +52,12 @@ class DistanceField {
   /// The same for several points, several times as fast. \pre as many results as points.
   void sample(std::span<const Vec3> p_B, std::span<FieldSample> results) const;
 
-  /// Distances only [mm]: +infinity outside the band, -infinity inside, NaN if unknown.
+  /// Distances only [mm]: beyond the band +infinity outside and -infinity inside; NaN if unknown.
+  /// \pre as many results as points.
   void distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const;
 
-  /// Estimate of the closest surface point: `p_B` minus distance times gradient. Exact above flat
-  /// faces; nothing if sample() is not kBand.
+  /// Estimate of the closest surface point [mm]: `p_B` minus distance times gradient. Exact above
+  /// flat faces; nothing if the zone of sample() is not kBand.
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
   /// Continuously differentiable distance: piecewise cubic interpolation of the finest lattice,
@@ -77,7 +78,7 @@ class DistanceField {
   /// The surface the field was built from, if known.
   [[nodiscard]] const std::optional<FieldSource>& source() const { return source_; }
 
-  /// Memory used by sample(), and additional memory used by sample_smooth().
+  /// Memory [bytes] used by sample(), and in addition by sample_smooth().
   [[nodiscard]] std::size_t sample_bytes() const;
   [[nodiscard]] std::size_t smooth_bytes() const { return smooth_ ? smooth_->bytes() : 0; }
 

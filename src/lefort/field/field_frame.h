@@ -13,11 +13,12 @@ struct FieldFrame {
   Vec3 origin_B = Vec3::Zero();  ///< Lowest corner of the cube, and first sample.
   double cell_mm = 0.0;          ///< Spacing of the samples.
   int resolution = 0;            ///< Cells along an edge of the cube, a power of two.
-  double band_mm = 0.0;          ///< Samples up to this distance from the surface are known.
-  double tolerance_mm = 0.0;     ///< Known samples are reproduced within this.
+  double band_mm = 0.0;          ///< Samples closer to the surface than this are known.
+  double tolerance_mm = 0.0;     ///< Octrees reproduce known samples within this.
   bool closed = false;  ///< The surface encloses a volume, so zones outside the band are known.
 
-  /// Every point up to this distance from the surface lies between known samples.
+  /// Every point up to this distance from the surface lies between known samples, except where
+  /// signs are in conflict.
   [[nodiscard]] double guaranteed_mm() const { return band_mm - std::numbers::sqrt3 * cell_mm; }
 };
 

@@ -13,22 +13,22 @@ namespace lefort::field {
 ///
 ///   zone      distance        gradient     meaning
 ///   kBand     interpolated    interpolated within the narrow band
-///   kOutside  +band_mm        0            further than the band, outside
-///   kInside   -band_mm        0            further than the band, inside
-///   kUnknown  +band_mm        0            sign not known, or not a point
+///   kOutside  +band_mm        0            beyond the band, outside
+///   kInside   -band_mm        0            beyond the band, inside
+///   kUnknown  +band_mm        0            sign not known, or the point is not finite
 struct FieldSample {
   Zone zone;
-  double distance_mm;
-  Vec3 gradient_B;  ///< Derivative of distance_mm; its length is about 1, not exactly.
+  double distance_mm;  ///< Negative inside.
+  Vec3 gradient_B;     ///< Derivative of distance_mm, in frame B; its length is about 1.
 };
 
 /// Distance with continuous first derivatives; second derivatives may jump at cell faces. Zones as
 /// in FieldSample.
 struct SmoothSample {
   Zone zone;
-  double distance_mm;
-  Vec3 gradient_B;
-  Mat3 hessian_B;  ///< [1/mm], symmetric.
+  double distance_mm;  ///< Negative inside.
+  Vec3 gradient_B;     ///< As in FieldSample.
+  Mat3 hessian_B;      ///< [1/mm], symmetric.
 };
 
 /// The result where there is no distance.

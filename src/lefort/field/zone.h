@@ -6,7 +6,12 @@
 
 namespace lefort::field {
 
-/// In the band, or outside it; kUnknown where an open surface does not determine the sign.
-enum class Zone : std::uint8_t { kBand, kOutside, kInside, kUnknown };
+/// Where a point lies relative to the band.
+enum class Zone : std::uint8_t {
+  kBand,     ///< In the band.
+  kOutside,  ///< Beyond the band, outside the surface.
+  kInside,   ///< Beyond the band, inside the surface.
+  kUnknown   ///< The surface is open there, or signs are in conflict, or the point is not finite.
+};
 
 }  // namespace lefort::field

@@ -1,5 +1,5 @@
 /// \file
-/// The deck on disk: JSON, checked against contract/deck.schema.json and for sense.
+/// The deck on disk: JSON, validated against contract/deck.schema.json and checked for consistency.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -22,7 +22,7 @@ struct ObstacleFile {
 /// When the mesh is written.
 enum class WriteEvery { kIncrement, kRequestedTime, kLast };
 
-/// Which fields are written with it.
+/// Which fields are written with the mesh.
 struct WrittenFields {
   bool displacement = true;
   bool stress = true;
@@ -32,20 +32,20 @@ struct WrittenFields {
   bool contact = true;
 };
 
-/// The input of `lefort solve`. Paths are made absolute by the deck's folder.
+/// The input of `lefort solve`. Paths are absolute, from the folder of the deck.
 struct DeckFile {
   std::string title;
   std::filesystem::path mesh;
-  std::string regions;  ///< Cell array of the mesh; empty as read_volume_mesh() takes it.
-  double mm_per_unit = 1.0;
+  std::string regions;  ///< Cell array with the regions; empty: the default of read_volume_mesh().
+  double mm_per_unit = 1.0;  ///< Unit of length of the mesh file.
   solve::Deck deck;
-  std::vector<ObstacleFile> obstacles;  ///< Like solve::Deck::obstacles.
+  std::vector<ObstacleFile> obstacles;  ///< In the order of solve::Deck::obstacles.
   WriteEvery every = WriteEvery::kIncrement;
   WrittenFields fields;
   std::vector<std::string> warnings;  ///< One for each deprecated key.
 };
 
-/// A deck and the text it was read from, which is read once.
+/// A deck and its text; the file is read only once, so that both agree.
 struct DeckText {
   DeckFile file;
   std::string json;
@@ -53,8 +53,9 @@ struct DeckText {
 
 /// Reads and checks a deck.
 ///
-/// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as
-///   `materials[0]: there is no law 'rubber', ...`. A key that stands twice in an object is wrong.
+/// \returns the deck; or kFileNotFound; or kPlanInvalid with the key and the error, for example
+///   `materials[0]: there is no law 'rubber', ...`. A key that occurs twice in an object is an
+///   error.
 [[nodiscard]] Result<DeckText> read_deck(const std::filesystem::path& file);
 
 /// The same from text; relative paths are taken from `folder`.

@@ -12,7 +12,7 @@ namespace lefort::io {
 
 /// A key of a plan or deck that has a new name.
 struct DeprecatedKey {
-  std::string_view object;  ///< Path of its object, as "path.keyframes[]"; empty: the top level.
+  std::string_view object;  ///< Its object, for example "path.keyframes[]"; empty: the top level.
   std::string_view old_key;
   std::string_view new_key;
 };
@@ -39,7 +39,7 @@ void note_warnings(std::span<const std::string> warnings, Progress& progress);
 
 /// An option of the command line that has a new name.
 struct DeprecatedOption {
-  std::string_view command;  ///< Without the name of the program, as "bench solve".
+  std::string_view command;  ///< Without the program, for example "bench solve".
   std::string_view old_option;
   std::string_view new_option;
 };

@@ -39,12 +39,14 @@ struct DicomSeriesInfo {
 
 /// Reads the CT series in `folder` and its subfolders.
 ///
-/// Files may have any order and name. Other files than DICOM and damaged files of other series are
-/// ignored with a warning. A file whose series cannot be read may be a slice: more of them than a
-/// fifth of the slices are an error. The slices are sorted along their normal, rescaled to
-/// Hounsfield units and checked: equal orientation, pixel spacing and distances; no slice missing,
-/// duplicated or displaced sideways. A stack that is sheared by gantry tilt, or has runs of
-/// different slice distances, is resampled to a regular grid.
+/// Files may have any order and name. Files that are not DICOM and damaged files of other series
+/// are ignored with a warning. A file whose series cannot be read may be a slice of this series:
+/// such files are an error if they are more than a fifth of the slices.
+///
+/// The slices are sorted along their normal, rescaled to Hounsfield units and checked: equal
+/// orientation, pixel spacing and distances; no slice missing, duplicated or displaced sideways.
+/// A stack that is sheared by gantry tilt, or has runs of different slice distances, is resampled
+/// to a regular grid.
 ///
 /// \param folder    a folder with DICOM files.
 /// \param series    number of the series, from 1, as the error message lists them; 0: the only CT.

@@ -28,8 +28,9 @@ struct FieldExport {
 
 /// Writes the samples of a field atomically, in the format of the ending of `target`:
 ///
-/// .vdb   a sparse OpenVDB level set of floats: samples in the band are active, and beyond
-///        it +-band_mm, negative inside, mostly as tiles. Unknown samples are inactive, +band_mm.
+/// .vdb   a sparse OpenVDB level set of floats [mm]: samples in the band are active; beyond the
+///        band the value is +-band_mm, negative inside, mostly as tiles. Unknown samples are
+///        inactive and have the value +band_mm.
 /// .nrrd  all samples of the window as floats, in the space LPS: beyond the band exactly +-band_mm,
 ///        negative inside, and NaN where unknown. Keys that begin with `lefort_` state this.
 ///

@@ -21,12 +21,13 @@ namespace lefort::io {
 [[nodiscard]] Result<void> write_field(const std::filesystem::path& path,
                                        const field::DistanceField& field);
 
-/// Maps a file into memory. Only octrees and smooth lattices are copied. The file must not be
-/// modified in place during the life of the field; lefort replaces files and never modifies them.
+/// Maps a field file into memory. Only octrees and smooth lattices are copied. The file must not
+/// be modified in place during the lifetime of the field; lefort only replaces files.
 ///
 /// \param path  a file of write_field().
-/// \returns the field; kFileNotFound; kFileUnsupported if the file is not a distance field or has
-///   another version; kFileCorrupt if its size, checksum or contents are inconsistent.
+/// \returns the field, in the frame B of its surface; kFileNotFound; kFileUnsupported if the file
+///   is not a distance field or has another version; kFileCorrupt if its size, checksum or contents
+///   are inconsistent.
 [[nodiscard]] Result<field::DistanceField> read_field(const std::filesystem::path& path);
 
 /// Returns the bytes of the file that write_field() writes.

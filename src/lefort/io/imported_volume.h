@@ -15,7 +15,7 @@ struct StackReport {
   Index slices = 0;
   double min_step_mm = 0.0, max_step_mm = 0.0;  ///< Slice distance along the normal.
   double tilt_deg = 0.0;                        ///< Shear angle of the stack (gantry tilt).
-  bool resampled = false;
+  bool resampled = false;                       ///< To a regular grid.
 };
 
 /// A head scan in Hounsfield units, in frame L, with warnings for the user.

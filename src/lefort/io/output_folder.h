@@ -17,8 +17,8 @@ namespace lefort::io {
 /// \returns nothing, or kFileUnwritable; then a folder that was created is removed.
 [[nodiscard]] Result<void> make_output_folder(const std::filesystem::path& folder);
 
-/// Removes empty folders after a failure: at the end of its life, those on the path to `folder`
-/// that did not exist at its beginning and are empty.
+/// Removes empty folders after a failure: the destructor removes those on the path to `folder` that
+/// are empty and did not exist when this object was made.
 class EmptyFolderCleanup {
  public:
   explicit EmptyFolderCleanup(const std::filesystem::path& folder);

@@ -1,5 +1,5 @@
 /// \file
-/// The plan on disk: JSON, checked against contract/plan.schema.json and for sense.
+/// The plan on disk: JSON, validated against contract/plan.schema.json and checked for consistency.
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
@@ -19,21 +19,21 @@ namespace lefort::io {
 /// The input of `lefort predict` and `lefort plan check`.
 struct PlanFile {
   std::string title;
-  std::optional<std::filesystem::path> ct;      ///< Made absolute by the plan file's folder.
-  std::optional<std::filesystem::path> labels;  ///< Likewise.
+  std::optional<std::filesystem::path> ct;      ///< Absolute, from the folder of the plan file.
+  std::optional<std::filesystem::path> labels;  ///< Absolute, as `ct`.
   anatomy::SegmentationOptions segmentation;
   plan::Landmarks landmarks;                   ///< Before surgery; may be empty.
   std::vector<plan::PlannedSegment> segments;  ///< One or more.
   predict::TissueOptions tissue;
   predict::BoundaryOptions boundary;
-  std::optional<std::filesystem::path> boundary_labels;  ///< Absolute likewise; painted.
+  std::optional<std::filesystem::path> boundary_labels;  ///< Absolute, as `ct`.
   predict::ContactOptions contact;
   field::DistanceFieldOptions field;
   predict::SolverOptions solver;
   std::vector<std::string> warnings;  ///< One for each deprecated key.
 };
 
-/// A plan and the text it was read from, which is read once.
+/// A plan and its text; the file is read only once, so that both agree.
 struct PlanText {
   PlanFile plan;
   std::string json;
@@ -41,7 +41,7 @@ struct PlanText {
 
 /// Reads and checks a plan.
 ///
-/// Files that the plan names (landmarks, targets, transforms, curves) are read, too.
+/// Files that the plan names (landmarks, targets, transforms, curves) are also read.
 ///
 /// \returns the plan; or kFileNotFound; what reading a named file returns; kPlanInvalid with the
 ///   key and the error, for example `tissue: unknown key "color"`. A key that occurs twice in an

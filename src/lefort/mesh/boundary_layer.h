@@ -1,5 +1,5 @@
 /// \file
-/// Covers part of the boundary of a tetrahedral mesh with a boundary layer: layers of wedges.
+/// Covers part of the boundary of a tetrahedral mesh with layers of wedges.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,7 +19,7 @@ struct BoundaryLayerOptions {
   double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; the layer gets thinner where quality is lower.
 };
 
-/// Whether a boundary face belongs to a plane by which the mesh was cut off: at least one corner
+/// Whether a boundary face belongs to a plane at which the meshed region ends: at least one corner
 /// lies in the plane, and the normals differ by less than 45 degrees. Faces that bevel the edge
 /// between the plane and other boundary count, too, if their normal is closer to that of the plane.
 ///
@@ -49,8 +49,8 @@ struct BoundaryLayerOptions {
 ///
 /// \param tets        one block of kTet4 with positive volumes, without sets.
 /// \param skin        faces of its boundary to be covered.
-/// \param cut_planes  planes by which the mesh was cut off: nodes of cut faces (is_cut_face) move
-///   within the planes; they stay single if they do not lie in the plane.
+/// \param cut_planes  planes at which the meshed region ends. Skin nodes of cut faces (is_cut_face)
+///   move within their plane; those that do not lie in it stay single.
 /// \param options     thickness and quality.
 /// \param progress    receives the fraction of thinning rounds done; may request a stop.
 /// \returns the blocks: tetrahedra (those of the layer last), then pyramids and wedges if any;

@@ -21,7 +21,7 @@ namespace lefort::mesh {
 /// Node and face sets: the sides x0, x1, y0, y1, z0, z1, and "boundary" for all of them.
 ///
 /// \param shape    of all elements.
-/// \param cells    number of cells along x, y, z, each >= 1; 32 bits must number the elements.
+/// \param cells    number of cells along x, y, z, each >= 1; element numbers must fit 32 bits.
 /// \param size_mm  edge lengths, > 0.
 /// \returns the mesh, one block.
 [[nodiscard]] VolumeMesh make_box(ElementShape shape, std::array<int, 3> cells,

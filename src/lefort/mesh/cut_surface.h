@@ -1,6 +1,6 @@
 /// \file
-/// Splits a closed surface into two: by the intersection of half-spaces, or by another closed
-/// surface.
+/// Splits a closed surface into two by a solid: an intersection of half-spaces, or the inside of
+/// another closed surface.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,12 +16,13 @@ namespace lefort::mesh {
 /// common cap they have the same triangles with opposite orientation, on vertices of equal
 /// coordinates.
 struct SurfaceCut {
-  geometry::TriangleMesh inside;   ///< Within all half-spaces.
-  geometry::TriangleMesh outside;  ///< The rest.
+  geometry::TriangleMesh inside;   ///< Part in all half-spaces, or in the solid.
+  geometry::TriangleMesh outside;  ///< The other part.
   double whole_volume_mm3 = 0.0;
   double inside_volume_mm3 = 0.0;
   double outside_volume_mm3 = 0.0;
-  double plane_shift_mm = 0.0;  ///< Inward displacement of the planes that made the cut succeed.
+  /// Displacement of the planes (inwards) or of the solid with which the cut succeeded; 0: none.
+  double plane_shift_mm = 0.0;
 };
 
 /// Splits `surface` by the intersection of `half_spaces`.
@@ -34,8 +35,8 @@ struct SurfaceCut {
 /// \returns both parts, or
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
 ///   - kMeshInvalid      the surface is empty, not finite, or open (the message names an edge);
-///   - kMeshingFailed    it crosses itself along the cut, also after displacing the planes by up to
-///     1e-4 mm; the sum of the volumes of the parts is wrong by more than 0.1 %; or memory is
+///   - kMeshingFailed    the surface crosses itself along the cut, also with planes displaced by up
+///     to 1e-4 mm; the sum of the volumes of the parts is wrong by more than 0.1 %; or memory is
 ///     exhausted;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Intersection points are computed exactly, then rounded \cite cgal:lty-pmp, chapter
@@ -49,8 +50,8 @@ struct SurfaceCut {
 /// \param surface   closed once repaired; the same frame as `solid`.
 /// \param solid     closed, counter-clockwise seen from outside, not crossing itself; may be empty.
 /// \param progress  receives the fraction of attempts done; may request a stop.
-/// \returns as above; where the cut passes through a defect of the surface, the solid is displaced
-///   by up to 1e-4 mm.
+/// \returns as above, without kInvalidArgument; where the cut passes through a defect of the
+///   surface, the solid is displaced by up to 1e-4 mm.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              const geometry::TriangleMesh& solid,
                                              Progress& progress = Progress::none());

@@ -17,10 +17,10 @@ struct TetOptions {
   std::function<double(const Vec3&)> size_at_mm = {};
   double surface_distance_mm = 0.4;  ///< Largest distance of a boundary face from the surface, > 0.
   double facet_angle_deg = 25.0;     ///< Smallest angle of boundary faces, 0 to 30.
-  double cell_radius_edge = 2.5;     ///< Circumradius over shortest edge, >= 2.
+  double cell_radius_edge = 2.5;     ///< Largest circumradius over shortest edge, >= 2.
   double sliver_angle_deg = 15.0;    ///< Target of the smallest dihedral angle, 0 to 20.
-  /// An edge of elements below it is collapsed (mesh/collapse_edges.h) where that improves the
-  /// quality, 0 to 0.5; 0: no collapse.
+  /// Edges of elements with a smaller scaled Jacobian are collapsed (mesh/collapse_edges.h) where
+  /// that improves the quality; 0 to 0.5; 0: no collapse.
   double min_scaled_jacobian = 0.0;
   double level_tolerance_mm = 0.01;  ///< Largest distance of boundary nodes from the surface, > 0.
 };
@@ -29,16 +29,17 @@ struct TetOptions {
 /// \cite cgal:rty-m3, then optimization of node positions (mesh/improve_tets.h). A few elements may
 /// stay below the sliver angle.
 ///
-/// \param level_L   positive inside, negative outside, continuous; called from one thread, must
-///   return the same value for the same point. NaN counts as outside.
-/// \param box_L     the region to be meshed; if the level is positive at its sides, the mesh ends
-///   there.
+/// \param level_L   level-set function of a point in L [mm]: positive inside, negative outside,
+///   continuous; called from one thread, must return the same value for the same point. NaN counts
+///   as outside.
+/// \param box_L     the region to be meshed [mm]; where the level is positive on its sides, the
+///   mesh ends there.
 /// \param options   size and quality.
 /// \param progress  receives the fraction done and notes; may request a stop.
 /// \returns one block of tetrahedra (region 0) with positive volumes: the largest part that is
-///   connected through faces, without hinges (mesh/largest_face_connected_part.h). Every node is
-///   used. Boundary nodes lie within options.level_tolerance_mm of the surface, except the few
-///   whose motion to it would flatten an element. Or
+///   connected through faces, also around each edge and node (mesh/largest_face_connected_part.h).
+///   Every node is used. Boundary nodes lie within options.level_tolerance_mm of the surface,
+///   except the few whose motion to it would flatten an element. Or
 ///   - kInvalidArgument  an option or the box lies outside its range;
 ///   - kMeshingFailed    the level is nowhere positive; there is no valid mesh; memory is
 ///                       exhausted; or more than 5 % of the volume is not connected to the largest

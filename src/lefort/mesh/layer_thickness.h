@@ -31,7 +31,7 @@ struct LayerThickness {
 /// \param mesh       with a boundary layer (mesh/boundary_layer.h).
 /// \param region     region of the wedges; either triangle of a wedge may be the outer one.
 /// \param faces      the outer surface; quadrilaterals are ignored.
-/// \param layers     number of wedges one below the other, of equal thickness.
+/// \param layers     number of layers, of equal thickness.
 /// \param wanted_mm  required thickness, > 0.
 /// \returns the statistics.
 [[nodiscard]] LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t region,

@@ -15,7 +15,7 @@ namespace lefort::mesh {
 struct SlitSurface {
   /// Signed distance to the surface [mm], exact to first order at zero; positive on its first side.
   std::function<double(const Vec3&)> level_L;
-  /// Positive inside the border [mm]. Elements are separated there only.
+  /// Positive inside the border [mm]. Only there elements are separated.
   std::function<double(const Vec3&)> extent_L;
 };
 
@@ -38,15 +38,15 @@ struct SlitMesh {
 ///
 /// The side of an element is that of its centroid; an element that has more faces towards the other
 /// side changes to it. Nodes between the sides move onto the surface as far as the scaled Jacobians
-/// of their elements allow; boundary nodes move along the boundary, and nodes of other shapes than
+/// of their elements allow. Boundary nodes move along the boundary. Nodes of shapes other than
 /// kTet4 do not move. A node is then duplicated if the slit separates the elements around it. No
 /// element is removed; parts of less than a hundredth of the elements stay joined.
 ///
 /// \param mesh         linear elements, without sets.
-/// \param surface      called by one thread.
-/// \param is_inside_L  the body; boundary nodes stay on its surface where it changes within 0.5 mm.
+/// \param surface      of the slit; its functions are called by one thread.
+/// \param is_inside_L  the body. A boundary node that has moved is returned to the surface of the
+///   body if that lies within 0.5 mm.
 /// \returns the mesh; unchanged, without faces, if the surface separates no elements.
-/// \pre no sets.
 [[nodiscard]] SlitMesh open_slit(VolumeMesh mesh, const SlitSurface& surface,
                                  const std::function<bool(const Vec3&)>& is_inside_L);
 

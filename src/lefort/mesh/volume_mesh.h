@@ -86,7 +86,7 @@ using Face3 = std::array<std::int32_t, 3>;
 struct VolumeMesh {
   std::vector<Vec3> nodes_L;  ///< [mm]
   std::vector<ElementBlock> blocks;
-  std::map<std::int32_t, std::string> region_names;            ///< Some regions have no name.
+  std::map<std::int32_t, std::string> region_names;            ///< A region may have no name.
   std::map<std::string, std::vector<std::int32_t>> node_sets;  ///< Ascending node numbers.
   std::map<std::string, std::vector<Face>> face_sets;
 

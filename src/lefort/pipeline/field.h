@@ -19,7 +19,7 @@ struct BuildFieldJob {
   field::DistanceFieldOptions options;
 };
 
-/// Computes the distance field of a surface.
+/// Computes the distance field of a surface and writes it.
 [[nodiscard]] Result<Summary> build_field(const BuildFieldJob& job, Progress& progress);
 
 struct QueryFieldJob {
@@ -29,7 +29,7 @@ struct QueryFieldJob {
   bool smooth = false;           ///< Smooth interpolation.
 };
 
-/// Writes distance, gradient and zone of each point.
+/// Writes distance [mm], gradient and zone of each point.
 [[nodiscard]] Result<Summary> query_field(const QueryFieldJob& job, Progress& progress);
 
 struct ExportFieldJob {
@@ -44,11 +44,11 @@ struct ExportFieldJob {
 
 struct SliceFieldJob {
   std::filesystem::path field;
-  std::filesystem::path output;  ///< .png.
-  int axis = 2;                  ///< Across the plane: 0 x, 1 y, 2 z.
-  double at_mm = 0.0;
+  std::filesystem::path output;               ///< .png.
+  int axis = 2;                               ///< Across the plane: 0 x, 1 y, 2 z.
+  double at_mm = 0.0;                         ///< Coordinate of the plane on this axis.
   int width_px = 1200;                        ///< Pixels across the plane.
-  std::optional<int> every;                   ///< Instead: pixels of so many cells of the field.
+  std::optional<int> every;                   ///< Instead of width_px: cells per pixel.
   std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
   std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn.
   bool smooth = false;                        ///< Smooth interpolation.
@@ -57,7 +57,7 @@ struct SliceFieldJob {
 /// Draws a plane through a field.
 [[nodiscard]] Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress);
 
-/// Returns the kind, size and checksum of a field.
+/// \returns the storage, size and checksum of a field; or what io::read_field() returns.
 [[nodiscard]] Result<Summary> describe_field(const std::filesystem::path& field,
                                              Progress& progress);
 

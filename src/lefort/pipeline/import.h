@@ -24,14 +24,16 @@ struct ImportJob {
 /// Lists the series of a DICOM folder or study. The output of the job is not used.
 [[nodiscard]] Result<Summary> list_scans(const ImportJob& job, Progress& progress);
 
-/// How the synthetic head is scanned.
+/// How the synthetic head is scanned: axial slices; with gantry tilt; names of files not
+/// in the order of slices; oblique to the axes of the patient; feet first.
 enum class PhantomVariant { kPlain, kTilted, kShuffled, kOblique, kFeetFirst };
 struct PhantomJob {
   std::filesystem::path output;  ///< A folder; made if missing.
   PhantomVariant variant = PhantomVariant::kPlain;
   double voxel_mm = 1.4;
-  double noise_hu = 12.0;
+  double noise_hu = 12.0;  ///< Standard deviation.
 };
+
 /// Writes DICOM files of a synthetic head (anatomy/synthetic_head.h), and its true labels.
 [[nodiscard]] Result<Summary> make_phantom(const PhantomJob& job, Progress& progress);
 

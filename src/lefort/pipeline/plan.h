@@ -15,11 +15,12 @@ namespace lefort::pipeline {
 struct LandmarksJob {
   std::filesystem::path before;                 ///< .mrk.json or .csv.
   std::optional<std::filesystem::path> after;   ///< As `before`.
-  std::optional<std::filesystem::path> output;  ///< .csv.
-  std::optional<std::filesystem::path> save;    ///< .mrk.json or .csv.
+  std::optional<std::filesystem::path> output;  ///< .csv: the measurements.
+  /// .mrk.json or .csv: a copy of the landmarks of `after`, else of `before`.
+  std::optional<std::filesystem::path> save;
 };
 
-/// Measures angles and distances between landmarks.
+/// Measures angles [degrees] and distances [mm] between landmarks.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
 struct CheckPlanJob {
@@ -35,7 +36,8 @@ struct PlanCheckSummary {
   Summary summary;
   bool has_findings = false;  ///< Overlap, gap or missing support beyond the limits.
 };
-/// Computes the segments at the end of their paths, and the findings of the check.
+/// Checks the segments at the end of their paths for overlap, gaps and missing support; writes
+/// check.json, surfaces and pictures.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct CutJob {
@@ -45,20 +47,20 @@ struct CutJob {
   std::filesystem::path output;  ///< A folder; made if missing.
 };
 
-/// Writes the bones of a plan before they move, with distance fields, so that a page can move them.
-/// cut.json, which is written last, names the files.
+/// Writes the bones of a plan at their scanned pose, with distance fields, so that the planner can
+/// move them. cut.json, which is written last, names the files.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
 
 struct PreviewJob {
   std::filesystem::path plan;
   std::filesystem::path ct;
   std::filesystem::path cache;   ///< As of CutJob.
-  std::filesystem::path skin;    ///< Skin of segment_scan(), to be displaced.
+  std::filesystem::path skin;    ///< skin.vtp of segment_scan(); the preview displaces it.
   std::filesystem::path output;  ///< A folder; made if missing.
 };
 
-/// Computes the linear response of the face to the motion of the segments. preview.json is written
-/// last.
+/// Writes the linear model of the response of the face to any motion of the segments. preview.json
+/// is written last.
 [[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -18,7 +18,8 @@ struct PredictJob {
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
   std::filesystem::path output;             ///< A folder; created if missing.
   bool pictures = true;
-  /// Solves the interfaces bonded and contact on a coarse mesh, too (interface_sensitivity.h).
+  /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
+  /// (interface_sensitivity.h).
   bool sensitivity = true;
   /// Called after each converged step; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};

@@ -55,7 +55,7 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// Checks that a distance query of stationary bone suffices for tissue that slides on it.
 ///
 /// \param distance_query_L  of the stationary bone.
-/// \param contact_snap_mm        boundary.contact_snap_mm.
+/// \param contact_snap_mm   boundary.contact_snap_mm.
 /// \returns nothing, or kMeshInvalid and kInvalidArgument as check_reach().
 [[nodiscard]] Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
                                                  double contact_snap_mm);

@@ -12,17 +12,19 @@
 namespace lefort::server {
 
 struct ServeJob {
-  std::filesystem::path folder = "lefort-case";
-  std::string host = "127.0.0.1";
-  int port = 8765;
-  bool open = false;
+  std::filesystem::path folder = "lefort-case";  ///< Of the case; made if missing.
+  std::string host = "127.0.0.1";                ///< The address to listen at.
+  int port = 8765;                               ///< 0: any free port.
+  bool open = false;                             ///< Opens the page in the default browser.
   bool demo = false;  ///< Starts with the example, unless the case has a scan.
   /// File of Debian's invesalius-examples.
   std::filesystem::path example = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 };
 
-/// Serves until `progress` requests to stop. Prints the page's address on stdout once it can be
-/// opened.
+/// Serves until `progress` requests a stop. Once the page can be opened, its address, which
+/// contains the secret token, is printed on stdout.
+///
+/// \returns what CaseFolder::open() and HttpServer::bind() return, or a summary.
 [[nodiscard]] Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress);
 
 }  // namespace lefort::server

@@ -115,7 +115,7 @@ export class App implements Planner {
     return this.sync.reload();
   }
 
-  /** Where the boundary is painted: the skin, and the bones as cut, else the skull. */
+  /** Surfaces on which the boundary can be painted: the skin, and the cut bones, or the skull if there are none. */
   boundarySurfaces(): [string, { surface: DrawnSurface }][] {
     const { surfaces } = this.model;
     const isBone = surfaces.has('remainder')

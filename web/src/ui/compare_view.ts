@@ -152,7 +152,7 @@ export class CompareView {
     this.view.render();
   }
 
-  /** Position of the mid-sagittal plane: from midline landmarks, else the middle of the skin. */
+  /** Position (x) of the mid-sagittal plane [mm]: from midline landmarks, else the middle of the skin. */
   private middleX(): number {
     const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
     if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;

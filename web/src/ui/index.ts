@@ -63,8 +63,8 @@ export function startPlanner(root: HTMLElement): void {
     }
     draw();
   });
-  // At once: a control edits the plan that it was drawn with, and must not revert an earlier edit. Drawing can remove a
-  // field, which then reports its last value.
+  // Without delay: a control edits the plan with which it was drawn, and must not revert an earlier edit. Drawing can
+  // remove an input field, which then reports its last value; drawing must not start again within that.
   app.model.history.subscribe(() => {
     if (view.isDragging || isDrawing) draw();
     else drawNow();

@@ -49,7 +49,7 @@ export class PlanStore {
   private landmarks: Persisted<readonly Landmark[] | null> = { value: null, etag: '*' };
   private timer: ReturnType<typeof setTimeout> | undefined;
   private running: Promise<boolean> | null = null;
-  /** The user chose to replace the paint of another page. */
+  /** Whether the user chose to overwrite the paint that another page has saved. */
   private overwritesPaint = false;
 
   constructor(
@@ -89,7 +89,7 @@ export class PlanStore {
     } else if (planner.model.s.saving === 'unsaved') planner.patch({ saving: 'saved' }); // Undone before the save.
   }
 
-  /** Sends all changes, also those made meanwhile. Returns whether everything is saved. */
+  /** Sends all changes, also those made while it is sending. Returns whether everything is saved. */
   async save(): Promise<boolean> {
     clearTimeout(this.timer);
     await this.whenIdle();

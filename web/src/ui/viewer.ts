@@ -160,7 +160,7 @@ export class Viewer implements SceneListeners {
   }
 
   onPaint(): void {
-    // Once per frame: a frame can have several stamps of the brush.
+    // Once per frame: the brush can be applied several times in a frame.
     this.view.beforePicture = () => this.boundary.present(this.app.model.s);
     this.view.render();
   }

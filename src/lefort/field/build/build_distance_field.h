@@ -26,13 +26,13 @@ enum class FieldMethod : std::uint8_t {
 struct DistanceFieldOptions {
   FieldMethod method = FieldMethod::kBricks;
   int resolution = 256;  ///< Cells along an edge of the cube: a power of two, 16 to 2048.
-  /// Samples up to this distance are stored: 2 cells to resolution / 4 cells; 0 means 5 cells, or
-  /// resolution / 4 if that is less.
+  /// Samples closer to the surface than this are stored: 2 to resolution / 4 cells. 0: 5 cells, or
+  /// resolution / 4 cells if that is less.
   double band_mm = 0.0;
   double tolerance_mm = 0.005;      ///< Octrees reproduce samples in the band within this, >= 0.
-  double relative_tolerance = 0.0;  ///< The same as a fraction of the cube's edge, if not 0.
+  double relative_tolerance = 0.0;  ///< If not 0, replaces it: fraction of the cube's edge.
   double margin_mm = 0.0;           ///< Distance between the band and the cube, >= 0.
-  double side_mm = 0.0;             ///< Edge of the cube, if not 0; replaces margin_mm.
+  double side_mm = 0.0;             ///< If not 0, replaces margin_mm: edge of the cube.
   bool smooth = false;              ///< Store what DistanceField::sample_smooth() needs.
 };
 

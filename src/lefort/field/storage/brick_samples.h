@@ -3,11 +3,9 @@
 /// default.
 ///
 /// A leaf has 4 x 4 x 4 samples. Eight leaves form a brick, the unit in which fields are built. A
-/// table of all bricks states which leaves are stored, and where. A leaf outside the band takes one
-/// bit, inside or outside. So memory is proportional to the area of the surface, plus the table
+/// table of all bricks states which leaves are stored, and where. A leaf beyond the band takes one
+/// bit: inside or outside. So memory is proportional to the area of the surface, plus the table
 /// (1/64 byte per cell).
-/// bit, inside or outside. So memory follows the area of the surface, the table (1/64 byte per
-/// cell) apart.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -25,12 +23,13 @@
 
 namespace lefort::field {
 
-/// Eight leaves, x fastest. One bit each states whether a leaf is stored, and otherwise its zone.
+/// Eight leaves, x fastest. Bit l of a mask belongs to leaf l. A leaf with no bit set lies beyond
+/// the band, outside.
 struct Brick {
   std::uint32_t first_leaf = 0;  ///< Position of its first stored leaf; others follow.
-  std::uint8_t stored = 0;
-  std::uint8_t inside = 0;
-  std::uint8_t unknown = 0;
+  std::uint8_t stored = 0;       ///< The leaf is stored.
+  std::uint8_t inside = 0;       ///< It is not stored and lies beyond the band, inside.
+  std::uint8_t unknown = 0;      ///< It is not stored and its sign is not known.
   std::uint8_t unused = 0;
 };
 
@@ -50,8 +49,9 @@ class BrickSamples {
   static constexpr std::size_t kLeafBytes = std::size_t(kLeafPoints) * kCodeBytes;
 
   // Codes are 24-bit integers, little-endian: distances in units of quantum_mm().
-  static constexpr std::int32_t kBeyond = (1 << 23) - 1;  ///< Outside the band; -kBeyond inside.
-  static constexpr std::int32_t kUnknown = -(1 << 23);
+  static constexpr std::int32_t kBeyond =
+      (1 << 23) - 1;  ///< Beyond the band, outside; -kBeyond: beyond it, inside.
+  static constexpr std::int32_t kUnknown = -(1 << 23);  ///< The sign is not known.
   static constexpr std::int32_t kLargest =
       kBeyond - 8;  ///< The edge of the band, with a margin for rounding.
 
@@ -71,9 +71,10 @@ class BrickSamples {
   BrickSamples(int resolution, double band_mm, std::span<const Brick> bricks,
                std::span<const std::byte> codes, std::shared_ptr<const void> owner);
 
+  /// The samples around the cell with lowest corner `low`, 0 <= low < resolution.
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
 
-  /// \pre here and below: coordinates are from 0 to resolution.
+  // Coordinates of the points below are from 0 to resolution.
 
   /// Address of the code of a sample, or of a constant for its zone if its leaf is not stored. Four
   /// bytes can be read there.
@@ -96,7 +97,7 @@ class BrickSamples {
     return code > -kBeyond && code < kBeyond;
   }
 
-  /// +-infinity or NaN if the code is not a distance.
+  /// Distance [mm]; +infinity beyond the band outside, -infinity inside, NaN if unknown.
   [[nodiscard]] float distance_of(std::int32_t code) const;
 
   [[nodiscard]] std::int32_t brick_of(const LatticePoint& p) const {

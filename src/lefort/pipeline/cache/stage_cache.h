@@ -15,19 +15,20 @@
 namespace lefort::pipeline {
 
 /// A folder of intermediate results. Files are written atomically, so an interrupted run leaves
-/// only complete files. Beside each is its SHA-256, which is checked before the file is read: most
-/// formats have no checksum, and a wrong bit of a mesh moves the predicted face unnoticed.
+/// only complete files. Beside each file is its SHA-256, which is checked before the file is read:
+/// most formats have no checksum, and a wrong bit of a mesh would change the predicted face
+/// unnoticed.
 class StageCache {
  public:
   explicit StageCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// \param name  of the stage with a file ending, for example "field.field".
-  /// \param key   hash of every input and option of the stage.
+  /// \param name  of the result with its file ending, for example "tissue.vtu".
+  /// \param key   hash of every input and option of the result, 16 characters or more.
   [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& key) const {
     return folder_ / fmt::format("{}-{}", key.substr(0, 16), name);
   }
 
-  /// Reads a cached result, as a stage of its own, or computes and stores it. A file that is
+  /// Reads a cached result, which is reported as a stage, or computes and stores it. A file that is
   /// damaged or has another SHA-256 is computed again, with a note; a result that cannot be stored
   /// is returned, with a note.
   ///

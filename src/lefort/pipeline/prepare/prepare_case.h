@@ -1,5 +1,5 @@
 /// \file
-/// Prepares a prediction from scan and plan. Results of costly stages are cached.
+/// Prepares a prediction from scan and plan. Results of stages that take long are cached.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -68,7 +68,8 @@ struct PreparedCase {
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
 
-/// The face of a prepared case with another mesh or interface; bones and fields stay.
+/// Makes the model of a prepared case again with another mesh or interface; bones and the fields of
+/// segments are those of the case.
 ///
 /// \param tissue    sizes and materials.
 /// \param boundary  interface and boundaries.

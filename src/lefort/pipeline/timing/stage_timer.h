@@ -13,7 +13,7 @@
 
 namespace lefort::pipeline {
 
-/// Forwards everything to another Progress.
+/// Forwards everything to another Progress and measures the wall-clock time of each stage.
 class StageTimer final : public Progress {
  public:
   explicit StageTimer(Progress& shown) : shown_(shown) {}
@@ -28,7 +28,7 @@ class StageTimer final : public Progress {
   void note(std::string_view sentence) override { shown_.note(sentence); }
   [[nodiscard]] bool stop_requested() const override { return shown_.stop_requested(); }
 
-  /// Seconds by name, and their total, as JSON.
+  /// As stages(): seconds by name, and their total, as JSON.
   [[nodiscard]] nlohmann::ordered_json seconds_json() {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     double total = 0.0;
@@ -40,7 +40,8 @@ class StageTimer final : public Progress {
     return json;
   }
 
-  /// Name and seconds of every stage so far; closes the current one.
+  /// Name and seconds of every stage so far. Ends the current one: what follows is not measured
+  /// until the next begin_stage().
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& stages() {
     end_stage();
     return stages_;

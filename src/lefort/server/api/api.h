@@ -20,7 +20,7 @@ inline constexpr std::string_view kApiPrefix = "/api/v1";
 
 struct ServedCase;
 
-/// One case. Thread-safe.
+/// The API of one case. Thread-safe.
 class Api {
  public:
   /// \param example  scan of the bundled example.

@@ -59,7 +59,7 @@ struct Response {
 
 /// Error response (contract/openapi.json, Error).
 ///
-/// \param message  one line; further ones are joined.
+/// \param message  one line; line breaks are replaced by spaces.
 /// \param where    parameter, header or key in error; may be empty.
 [[nodiscard]] Response error_response(int status, std::string_view code, std::string_view message,
                                       std::string_view where = "");

@@ -53,7 +53,8 @@ class CaseFolder {
   /// Where a scan and its description are prepared for replace_scan().
   [[nodiscard]] std::filesystem::path import_folder() const { return root_ / "import"; }
 
-  /// SHA-256 of a file, cached until stat() changes; nothing if there is no such file.
+  /// SHA-256 of a file, cached while the result of stat() is unchanged; nothing if there is no such
+  /// file.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
 
   /// The same as an entity tag, in quotes.
@@ -76,17 +77,17 @@ class CaseFolder {
   /// \param stage  "landmarks", "plan", "boundary".
   [[nodiscard]] Result<void> record_scan(std::string_view stage);
 
-  /// Replaces scan and description together by those of a folder, which is moved. An interruption
-  /// leaves those before or, after the next open(), the new ones.
+  /// Replaces scan and description together by those of a folder, which is moved. After an
+  /// interruption and the next open() either both are the earlier ones or both are the new ones.
   ///
   /// \param prepared  import_folder() with ct.nrrd and case.json.
   [[nodiscard]] Result<void> replace_scan(const std::filesystem::path& prepared);
 
-  /// The description of the scan; empty if it is missing or that of another scan.
+  /// The description of the scan; empty if it is missing or belongs to another scan.
   [[nodiscard]] nlohmann::json describe() const;
 
-  /// Removes the documents that mark a stage as computed, so that those of an earlier job are not
-  /// taken for results of the inputs that are stored next.
+  /// Removes the documents that mark a stage as computed, so that the results of an earlier job do
+  /// not count as results of inputs recorded later.
   ///
   /// \param stage  "cut", "check", "preview", "prediction"; other stages have no such document.
   [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
@@ -97,11 +98,13 @@ class CaseFolder {
  private:
   explicit CaseFolder(std::filesystem::path root, int lock);
 
-  /// The import folder after the decision; its files are moved to their places.
+  /// Name of the import folder once its scan counts as that of the case; its files are then moved
+  /// to their places.
   [[nodiscard]] std::filesystem::path imported() const { return root_ / "imported"; }
   [[nodiscard]] Result<void> finish_import() const;
 
-  /// Identifies a version of a file. A time alone can be set back, or be too coarse.
+  /// Identifies a version of a file. The time alone is not enough: it can be set back, or be too
+  /// coarse.
   struct Identity {
     std::uintmax_t device = 0, inode = 0, size = 0;
     std::int64_t modified_s = 0, modified_ns = 0, changed_s = 0, changed_ns = 0;
@@ -123,8 +126,8 @@ inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 /// Whether `file` is a regular file.
 [[nodiscard]] bool there_is(const std::filesystem::path& file);
 
-/// Parses JSON of a case folder; the result is discarded() if it is none or is nested too deeply:
-/// copying and writing values call themselves for each level.
+/// Parses JSON of a case folder. The result is discarded() if `text` is not JSON, or is nested so
+/// deeply that recursive functions on it could exhaust the stack.
 [[nodiscard]] nlohmann::json parse_limited(std::string_view text);
 
 /// The JSON object in a file; empty if the file is missing or damaged.

@@ -1,6 +1,6 @@
 /// \file
-/// Numbered log of the last events, so that a page that lost its connection receives those it
-/// missed.
+/// Numbered log of the last events. A page that has lost its connection receives the events since
+/// then.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -31,7 +31,7 @@ class EventLog {
   /// ones were removed: then the page must reload everything.
   [[nodiscard]] std::optional<std::uint64_t> find(std::string_view id) const;
 
-  /// Waits for events after `heard`, for the timeout, or for stop().
+  /// Waits until there are events after position `heard`, at most for `longest`, or until stop().
   ///
   /// \returns events as text/event-stream, perhaps none, and advances `heard`. A listener that is
   ///   too slow for the log receives the reset event.

@@ -28,14 +28,14 @@ struct JobRecord {
   int id = 0;
   std::string kind;
   nlohmann::json parameters = nlohmann::json::object();
-  std::string state;  ///< "queued", "running", "done", "failed", "cancelled", "interrupted".
-  std::string stage;
-  double fraction = 0.0;
-  std::deque<std::string> lines;
-  std::string message;
+  std::string state;      ///< "queued", "running", "done", "failed", "cancelled", "interrupted".
+  std::string stage;      ///< Name of the current stage.
+  double fraction = 0.0;  ///< Part of the stage that is done, 0 to 1.
+  std::deque<std::string> lines;  ///< The last notes.
+  std::string message;            ///< Result or error, one line.
   nlohmann::json result;
   std::optional<bool> has_findings;
-  std::string created, ended;
+  std::string created, ended;  ///< UTC, ISO 8601; `ended` is empty before.
 
   [[nodiscard]] bool is_over() const { return state != "queued" && state != "running"; }
 };
@@ -57,7 +57,7 @@ class Jobs {
   /// Called, on any thread, when a job has started or ended.
   using Changed = std::function<void()>;
 
-  /// Reads the records of earlier servers; jobs that had not ended are `interrupted`.
+  /// Reads the records of earlier servers; jobs that had not ended become `interrupted`.
   Jobs(std::filesystem::path folder, EventLog& events, Work work, Changed changed);
   ~Jobs();
   Jobs(const Jobs&) = delete;

@@ -1,5 +1,5 @@
 /// \file
-/// A client's socket with timeouts for all that it sends and receives.
+/// A client's socket with timeouts for everything it sends and receives.
 #pragma once
 
 #include <lefort/server/http/http_server.h>
@@ -34,8 +34,9 @@ class Connection final : public httplib::Stream {
   /// Starts the phase of events: no total timeout, only a timeout for each piece.
   void begin_events() { phase_ = Phase::kEvents; }
 
-  /// The time since which it occupies a thread without a request, if it does.
+  /// Whether it occupies a thread without a request.
   [[nodiscard]] bool is_waiting() const { return is_waiting_; }
+  /// Start of this waiting. \pre is_waiting().
   [[nodiscard]] Clock::time_point since() const { return since_.load(); }
 
   /// Ends the connection, from another thread. \pre the socket is open.
@@ -44,7 +45,7 @@ class Connection final : public httplib::Stream {
   /// Reads some of what the client still sends: otherwise the reply can be lost.
   void drain();
 
-  /// Marks the rest of the stream as invalid: no further request is read from it.
+  /// Whether the rest of the stream is invalid: no further request is read from it.
   bool must_close = false;
 
   bool is_readable() const override;

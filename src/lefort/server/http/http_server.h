@@ -1,9 +1,10 @@
 /// \file
 /// HTTP/1.1 server of the API and the page, for one user on this machine.
 ///
-/// Rejected before a body is read: another Host (DNS rebinding), a foreign Origin, a wrong or
-/// missing token, a body without or beyond its length, any transfer coding. Connections, threads,
-/// header bytes and time are limited; slow connections are evicted when others wait.
+/// A request is rejected before its body is read if it has another Host (DNS rebinding), a foreign
+/// Origin, a wrong or missing token, a body of no stated or too large length, or a transfer coding.
+/// Connections, threads, header bytes and time are limited; slow connections are evicted when
+/// others wait.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,7 +20,7 @@ namespace lefort::server {
 /// Limits of clients.
 struct HttpLimits {
   int threads = 48;    ///< Concurrent requests, including listeners of events.
-  int listeners = 16;  ///< Pages that receive events.
+  int listeners = 16;  ///< Concurrent event streams.
   int waiting = 1024;  ///< Connections that wait for a thread; others are rejected.
   std::size_t header_bytes = 32 << 10;          ///< Request line and headers.
   std::chrono::milliseconds header_time{5000};  ///< To receive them.
@@ -32,7 +33,7 @@ struct HttpLimits {
 
 struct HttpOptions {
   std::string host = "127.0.0.1";  ///< The address to listen at.
-  int port = 0;                    ///< 0: any that is free.
+  int port = 0;                    ///< 0: any free port.
   std::string token;               ///< Required in every request about the case.
   HttpLimits limits;
 };
@@ -40,7 +41,7 @@ struct HttpOptions {
 /// Whether an address is a loopback address.
 [[nodiscard]] bool is_loopback(const std::string& host);
 
-/// An address as in a URL: IPv6 in brackets.
+/// An address as it is written in a URL: IPv6 in brackets.
 [[nodiscard]] std::string in_address(const std::string& host);
 
 class HttpServer {
@@ -53,8 +54,8 @@ class HttpServer {
 
   /// Binds the port.
   ///
-  /// \returns the port, or kInvalidArgument: the port is in use, or the address is not one of this
-  ///   machine, or a wildcard.
+  /// \returns the port; or kInvalidArgument if the port is in use, or if the address is a wildcard
+  ///   or none of this machine.
   [[nodiscard]] Result<int> bind();
 
   /// Serves until stop(). \pre bind() succeeded.
