@@ -252,5 +252,16 @@ TEST(SupportTerm, AColumnOnALayerIsTwoSpringsInSeries) {
   }
 }
 
+// The pseudonormal of a triangle mesh is no gradient: the line search must not use its energy.
+TEST(SupportTerm, HasNoPotentialWhereItFollowsATriangleMesh) {
+  const RigidObstacle triangles{bvh_distance_query(
+      std::make_shared<const geometry::Bvh>(test::make_icosphere(kRadius_mm, 3)), 2.0)};
+  const fem::DofMap dofs = fem::DofMap::build(1, {}).value();
+  const std::vector<Vec3> nodes_L{kOnBall_L};
+  EXPECT_TRUE(SupportTerm(nodes_L, {elevated()}, triangles).is_conservative(dofs));
+  EXPECT_FALSE(SupportTerm(nodes_L, {elevated(), sliding()}, triangles).is_conservative(dofs));
+  EXPECT_TRUE(on_ball(sliding()).is_conservative(dofs));
+}
+
 }  // namespace
 }  // namespace lefort::contact::test_support_term

@@ -65,6 +65,11 @@ bool SupportTerm::evaluate(Index item, std::span<const Vec3> x_L,
   return true;
 }
 
+bool SupportTerm::is_conservative(const fem::DofMap& /*dofs*/) const {
+  return std::ranges::none_of(supports_, &NodalSupport::follows_surface) ||
+         obstacle_.distance_query_B->has_exact_derivatives();
+}
+
 SupportStatistics SupportTerm::summarize(std::span<const Vec3> x_L) const {
   SupportStatistics all;
   for (std::size_t s = 0; s < supports_.size(); ++s) {

@@ -66,6 +66,8 @@ class SupportTerm final : public fem::ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return {&supports_[std::size_t(item)].node, 1};
   }
+  /// False if a support follows a surface whose distance query has no exact derivatives.
+  [[nodiscard]] bool is_conservative(const fem::DofMap& dofs) const override;
   /// Beyond the range of the query the distance of a support that follows the surface is constant,
   /// so that it exerts no normal force there.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,

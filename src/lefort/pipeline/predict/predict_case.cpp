@@ -201,7 +201,8 @@ void check_penetration(const PreparedCase& prepared, const predict::FacePredicti
   if (!tolerance_mm || is_weighted) return;  // Weighted gaps hold it in the mean.
   const auto deep = std::count_if(
       prediction.steps.begin(), prediction.steps.end(), [&](const predict::PredictionStep& step) {
-        return step.contact().p99_penetration_increase_mm > *tolerance_mm;
+        return std::max(step.contact().p99_penetration_increase_mm,
+                        step.stationary_contact.p99_penetration_increase_mm) > *tolerance_mm;
       });
   if (deep == 0) return;
   progress.note(

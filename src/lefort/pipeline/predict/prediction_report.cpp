@@ -320,6 +320,14 @@ std::vector<report::ProvenanceRow> provenance_rows(const Provenance& provenance)
   return rows;
 }
 
+std::string interface_limits(predict::TissueInterface interface) {
+  if (interface == predict::TissueInterface::kClinical)
+    return "The attachment of tissue to bone is assumed from anatomy and procedure, not measured: "
+           "bonded, elevated near osteotomies, sliding at teeth and joints, or as painted.";
+  return "Tissue on stationary bone is bonded, except near a segment or where it is painted "
+         "otherwise.";
+}
+
 std::vector<std::string> limitations_of(const PreparedCase& prepared) {
   return {
       material_limits(prepared.plan.tissue),
@@ -327,12 +335,8 @@ std::vector<std::string> limitations_of(const PreparedCase& prepared) {
       "Poisson\u2019s ratio is lower than measured values.",
       "Tissue outside the tissue mesh does not move, and tissue beyond the scan boundary is not "
       "modeled: near the scan boundary the prediction is not reliable.",
-      prepared.model.stationary_bone
-          ? "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone, except "
-            "where it is painted as free or sliding; only sliding tissue has contact with "
-            "stationary bone."
-          : "Air-filled sinuses are modeled as bone. Tissue is fixed to stationary bone; new "
-            "contact of tissue with stationary bone is not modeled.",
+      "Air-filled sinuses are modeled as bone.",
+      interface_limits(prepared.plan.boundary.interface),
       "Not validated against postoperative scans."};
 }
 
