@@ -53,7 +53,7 @@ TEST(BrickSamples, EveryPointHasItsOwnOffset) {
   for (int k = 0; k < 24; ++k)
     for (int j = 0; j < 24; ++j)
       for (int i = 0; i < 24; ++i) {
-        const std::ptrdiff_t at = samples.linear_offset({i, j, k}) - samples.codes().data();
+        const std::ptrdiff_t at = samples.code_address({i, j, k}) - samples.codes().data();
         ASSERT_EQ(at % 3, 0);
         ASSERT_EQ(visits[std::size_t(at / 3)]++, 0) << i << ' ' << j << ' ' << k;
       }
@@ -163,7 +163,7 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     const WindingScanlines winding(surface.mesh_B, frame);
     const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
     ASSERT_TRUE(samples);
-    const std::int32_t code = BrickSamples::read_code(samples->linear_offset({8, 8, 11}));
+    const std::int32_t code = BrickSamples::read_code(samples->code_address({8, 8, 11}));
     EXPECT_GE(code, BrickSamples::kLargest - 8) << frame.band_mm;  // Neither unknown nor inside.
     near_the_edge += BrickSamples::is_distance(code) ? 1 : 0;
   }
@@ -188,7 +188,7 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsInConflictIsUnknownThere) {
   ASSERT_TRUE(samples);
   for (const LatticePoint& p :
        {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
-    EXPECT_EQ(BrickSamples::read_code(samples->linear_offset(p)), BrickSamples::kUnknown)
+    EXPECT_EQ(BrickSamples::read_code(samples->code_address(p)), BrickSamples::kUnknown)
         << p[0] << ' ' << p[1] << ' ' << p[2];
   }
 }
@@ -209,7 +209,7 @@ TEST(BuildBricks, TheWindingNumberResolvesSignConflicts) {
   const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
                                     &winding, Progress::none());
   ASSERT_TRUE(samples);
-  const std::int32_t code = BrickSamples::read_code(samples->linear_offset({16, 11, 11}));
+  const std::int32_t code = BrickSamples::read_code(samples->code_address({16, 11, 11}));
   ASSERT_TRUE(BrickSamples::is_distance(code));
   EXPECT_LT(code, 0);
 }

@@ -54,7 +54,7 @@ std::vector<Vec3> band_points(const geometry::TriangleMesh& mesh, const FieldTas
     for (int y = 0; y <= task.resolution; ++y)
       for (int x = 0; x <= task.resolution; ++x)
         if (field::BrickSamples::is_distance(
-                field::BrickSamples::read_code(bricks.linear_offset({x, y, z}))))
+                field::BrickSamples::read_code(bricks.code_address({x, y, z}))))
           points.push_back(frame.origin_B + frame.cell_mm * Vec3(x, y, z));
   return points;
 }

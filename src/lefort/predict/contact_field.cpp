@@ -1,3 +1,4 @@
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/predict/contact_field.h>
 #include <lefort/predict/load_levels.h>
@@ -10,7 +11,6 @@ namespace {
 /// Penetration that a trial state of Newton's method may have.
 constexpr double kContactBand_mm = 3.0;
 constexpr double kRestDepthFraction = 0.5;  // Of an element: the chord height of a curved face.
-constexpr int kDefaultBandCells = 5;        // field/build/build_distance_field.h
 constexpr double kMaxExtentFraction = 0.4;  // A quarter of the cube is the widest band.
 
 }  // namespace
@@ -23,9 +23,7 @@ field::DistanceFieldOptions contact_field_options(field::DistanceFieldOptions op
   const double wanted_mm =
       kContactBand_mm +
       (kRestDepthFraction + 0.5 * kIncrementElementFraction) * tissue.element_size_mm;
-  const int cells = options.resolution - 2 * kDefaultBandCells;
-  const double default_mm = cells > 0 ? kDefaultBandCells * extent_mm / cells : 0.0;
-  if (default_mm >= wanted_mm) return options;
+  if (field::default_band_mm(options.resolution, extent_mm) >= wanted_mm) return options;
   options.band_mm = std::min(wanted_mm, kMaxExtentFraction * extent_mm);
   return options;
 }

@@ -164,7 +164,7 @@ class AveragedNodalPressure::Builder {
     nodes_.open();
     term_->patches_.push_back(
         {.volume = split_volumetric(*volumetric_part(material), shear_modulus_at_rest(material),
-                                    kNodalStabilizationFraction)
+                                    kNodalStabilizationFactor)
                        .of_mean,
          .nodes = nodes_.last(),
          .first_element = std::int32_t(term_->patch_elements_.size())});

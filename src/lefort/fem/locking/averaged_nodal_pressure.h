@@ -24,7 +24,7 @@ namespace lefort::fem {
 ///   dW = sum over elements of (sum over a of s_ae p_a) cof F : dF dV,   p_a = U'(v_a / V_a)
 ///
 /// V_e is the reference volume of an element and v_e its current volume. U is the volumetric energy
-/// of the law without the part that the elements keep (kNodalStabilizationFraction).
+/// of the law without the part that the elements keep (kNodalStabilizationFactor).
 ///
 /// A patch is a node with the elements around it that belong to one region, have a decoupled law,
 /// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae, to

@@ -40,26 +40,26 @@ template <class Element>
 
 /// Bulk modulus of the part of U that stays at the points, as a multiple of the shear modulus.
 /// docs/studies/locking-remedies.md compares values.
-struct PointwiseBulkFraction {
+struct PointwiseBulkFactor {
   /// In parts of the body more than one layer thick (elements_with_interior_nodes.h).
   double interior = 0.0;
   /// In a single layer: its averages do not resist bending.
   double single_layer = 0.0;
 };
 template <class Element>
-inline constexpr PointwiseBulkFraction kPointwiseBulkFraction{};
+inline constexpr PointwiseBulkFactor kPointwiseBulkFactor{};
 template <>
-inline constexpr PointwiseBulkFraction kPointwiseBulkFraction<Tet10>{0.25, 1.0};
+inline constexpr PointwiseBulkFactor kPointwiseBulkFactor<Tet10>{0.25, 1.0};
 template <>
-inline constexpr PointwiseBulkFraction kPointwiseBulkFraction<Wedge15>{0.5, 1.25};
+inline constexpr PointwiseBulkFactor kPointwiseBulkFactor<Wedge15>{0.5, 1.25};
 
 template <class Element>
-inline constexpr bool kHasPointwiseBulk = kPointwiseBulkFraction<Element>.single_layer > 0.0;
+inline constexpr bool kHasPointwiseBulk = kPointwiseBulkFactor<Element>.single_layer > 0.0;
 
 /// Bulk modulus of the part of U that stays in elements which average around nodes, as a multiple
 /// of the shear modulus. Nodal averages do not resist a change of volume that alternates between
 /// the elements around a node.
-inline constexpr double kNodalStabilizationFraction = 1.0;
+inline constexpr double kNodalStabilizationFactor = 1.0;
 
 /// U divided into a part of J_mean and a part of J.
 struct VolumetricSplit {
@@ -85,7 +85,7 @@ template <class Element>
 [[nodiscard]] VolumetricSplit split_volumetric(const Material& material, bool has_interior_node) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return {};
-  constexpr PointwiseBulkFraction kBulk = kPointwiseBulkFraction<Element>;
+  constexpr PointwiseBulkFactor kBulk = kPointwiseBulkFactor<Element>;
   return split_volumetric(*volume, shear_modulus_at_rest(material),
                           has_interior_node ? kBulk.interior : kBulk.single_layer);
 }
@@ -98,7 +98,7 @@ template <class Element>
   const double shear_mpa = shear_modulus_at_rest(material);
   return with_bulk_modulus(
       material,
-      split_volumetric(*volume, shear_mpa, kNodalStabilizationFraction).at_points.kappa_mpa);
+      split_volumetric(*volume, shear_mpa, kNodalStabilizationFactor).at_points.kappa_mpa);
 }
 
 /// Energy, pressure and stiffness of the volumetric part of one element.

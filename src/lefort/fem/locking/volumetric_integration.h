@@ -25,12 +25,12 @@
 /// **tet4, wedge6, pyramid5.** There are five or six tetrahedra per node, so that a constant per
 /// element would lock. J is averaged around nodes (\cite bonet1998), here around the innermost
 /// nodes of each element (averaged_nodal_pressure.h). The part of U with the bulk modulus
-/// kNodalStabilizationFraction times the shear modulus stays in the elements for stability
+/// kNodalStabilizationFactor times the shear modulus stays in the elements for stability
 /// (\cite gee2009).
 ///
 /// **tet10, wedge15.** One average per element does not resist a change of volume that is linear in
 /// the element: a single layer would bend far too easily. The part of U with the bulk modulus
-/// kPointwiseBulkFraction times the shear modulus therefore stays at the points. (Selective reduced
+/// kPointwiseBulkFactor times the shear modulus therefore stays at the points. (Selective reduced
 /// integration, \cite malkus1978, averages lambda only, which leaves 2/3 of the shear modulus.) The
 /// fraction is smaller in the interior, where it must not make a compressed block stiffer
 /// (tests/fem/test_compressed_block.cpp), and larger in a single layer, which then bends like a

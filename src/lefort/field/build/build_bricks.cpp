@@ -152,8 +152,8 @@ std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
                                         face_offset(bit, axis, true));
         LatticePoint q = p;
         ++q[a];
-        const float d = samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
-        const float e = samples.distance_of(BrickSamples::read_code(samples.linear_offset(q)));
+        const float d = samples.distance_of(BrickSamples::read_code(samples.code_address(p)));
+        const float e = samples.distance_of(BrickSamples::read_code(samples.code_address(q)));
         if (violates_lipschitz(d, e, cell_mm)) in_conflict.insert(in_conflict.end(), {p, q});
       }
     }
@@ -272,8 +272,7 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
   const std::vector<LatticePoint> in_conflict =
       conflicting_across_faces(samples, store.bricks, store.faces, float(frame.cell_mm));
   std::vector<std::ptrdiff_t> offsets;
-  for (const LatticePoint& p : in_conflict)
-    offsets.push_back(samples.linear_offset(p) - first_code);
+  for (const LatticePoint& p : in_conflict) offsets.push_back(samples.code_address(p) - first_code);
   for (const std::ptrdiff_t offset : offsets)
     BrickSamples::write_code(first_code + offset, BrickSamples::kUnknown);
   return samples;

@@ -35,6 +35,10 @@ constexpr Index kMaxTriangles = 100'000'000;
 constexpr double kStencilCells = 4.4;
 static_assert(kStencilCells < SparseLattice::kSide, "the lattice must contain the stencil");
 
+int default_band_cells(int resolution) {
+  return std::min(kDefaultBandCells, resolution / kMaxBandFraction);
+}
+
 Result<void> check_options(const DistanceFieldOptions& options) {
   const auto invalid = [](std::string message) {
     return fail(ErrorCode::kInvalidArgument, std::move(message));
@@ -71,16 +75,15 @@ Result<FieldFrame> position_cube(const geometry::TriangleMesh& mesh,
   FieldFrame frame;
   frame.resolution = options.resolution;
   frame.tolerance_mm = options.tolerance_mm;
-  const int default_band_cells = std::min(kDefaultBandCells, options.resolution / kMaxBandFraction);
+  const int band_cells = default_band_cells(options.resolution);
   if (options.side_mm > 0.0) {
     frame.cell_mm = options.side_mm / options.resolution;
   } else if (options.band_mm > 0.0) {
     frame.cell_mm = (extent + 2.0 * (options.band_mm + options.margin_mm)) / options.resolution;
   } else {
-    frame.cell_mm =
-        (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * default_band_cells);
+    frame.cell_mm = (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * band_cells);
   }
-  frame.band_mm = options.band_mm > 0.0 ? options.band_mm : default_band_cells * frame.cell_mm;
+  frame.band_mm = options.band_mm > 0.0 ? options.band_mm : band_cells * frame.cell_mm;
   const double minimum = kMinBandCells * frame.cell_mm;
   const double maximum = options.resolution / kMaxBandFraction * frame.cell_mm;
   if (!(frame.band_mm >= minimum && frame.band_mm <= maximum))
@@ -118,6 +121,11 @@ Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
 }
 
 }  // namespace
+
+double default_band_mm(int resolution, double extent_mm) {
+  const int cells = default_band_cells(resolution);
+  return cells * (extent_mm / (resolution - 2 * cells));
+}
 
 Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface_B,
                                            const DistanceFieldOptions& options,

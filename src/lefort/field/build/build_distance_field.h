@@ -36,6 +36,12 @@ struct DistanceFieldOptions {
   bool smooth = false;              ///< Store what DistanceField::sample_smooth() needs.
 };
 
+/// Band of a field with `band_mm`, `margin_mm` and `side_mm` 0.
+///
+/// \param resolution  16 to 2048.
+/// \param extent_mm   longest edge of the surface's bounding box.
+[[nodiscard]] double default_band_mm(int resolution, double extent_mm);
+
 /// Samples the signed distance to `surface_B` in a band around it (paper, section 2.1).
 ///
 /// \param surface_B  triangles counter-clockwise seen from outside. Violations are repaired where

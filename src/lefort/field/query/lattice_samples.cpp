@@ -70,7 +70,7 @@ class BlockNeighborhood {
 void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& block) {
   const Brick& brick = samples.bricks()[std::size_t(samples.brick_of(block.first))];
   if (brick.stored == 0) {
-    // Same precedence as in linear_offset(): unknown before inside.
+    // Same precedence as in BrickSamples::code_address(): unknown before inside.
     if (brick.unknown == 0xFF) block.side = Zone::kUnknown;
     if (brick.unknown == 0 && brick.inside == 0xFF) block.side = Zone::kInside;
     if (brick.unknown == 0 && brick.inside == 0) block.side = Zone::kOutside;
@@ -81,7 +81,7 @@ void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& bl
                             block.first[1] + offset / kBrickSide % kBrickSide,
                             block.first[2] + offset / (kBrickSide * kBrickSide)};
     block.values[std::size_t(offset)] =
-        samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
+        samples.distance_of(BrickSamples::read_code(samples.code_address(p)));
   }
 }
 

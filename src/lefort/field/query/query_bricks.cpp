@@ -207,7 +207,7 @@ Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p
   std::array<float, kCorners> corners;
   for (int i = 0; i < int(kCorners); ++i)
     corners[std::size_t(i)] = samples.distance_of(BrickSamples::read_code(
-        samples.linear_offset({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
+        samples.code_address({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
   return zone_of(corners);
 }
 

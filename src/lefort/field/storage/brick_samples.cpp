@@ -60,8 +60,8 @@ float BrickSamples::distance_of(std::int32_t code) const {
 CellSamples BrickSamples::cell(const LatticePoint& low) const {
   CellSamples samples{low, 1, {}};
   for (int corner = 0; corner < 8; ++corner)
-    samples.corners[std::size_t(corner)] = distance_of(read_code(linear_offset(
-        {low[0] + (corner & 1), low[1] + (corner >> 1 & 1), low[2] + (corner >> 2)})));
+    samples.corners[std::size_t(corner)] = distance_of(read_code(
+        code_address({low[0] + (corner & 1), low[1] + (corner >> 1 & 1), low[2] + (corner >> 2)})));
   return samples;
 }
 

@@ -78,7 +78,7 @@ class BrickSamples {
 
   /// Address of the code of a sample, or of a constant for its zone if its leaf is not stored. Four
   /// bytes can be read there.
-  [[nodiscard]] const std::byte* linear_offset(const LatticePoint& point) const {
+  [[nodiscard]] const std::byte* code_address(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(brick_of(point))];
     const unsigned leaf = leaf_of(point);
     if ((brick.stored >> leaf & 1U) == 0) return side_of(brick, leaf);

@@ -3,6 +3,7 @@
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cache/restart_file.h>
 #include <lefort/pipeline/cache/stage_keys.h>
+#include <lefort/pipeline/prepare/cached_field.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <cstdint>
@@ -262,13 +263,11 @@ std::string restart_key(const PreparedCase& prepared) {
   io::Sha256 hash;
   hash.add(kVersion).add(kStepsRevision);
   add(hash, prepared.model.tissue);
-  field::DistanceFieldOptions field = plan.field;
-  field.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
   hash.add(double(plan.segments.size()));
   for (const predict::MovedSegment& segment : prepared.model.segments)
-    hash.add(field_key(segment.surface_B, field));
-  if (prepared.model.stationary_bone)
-    hash.add(field_key(prepared.model.stationary_bone->surface_B, field));
+    hash.add(field_key(segment.surface_B, contact_field_options(plan, segment.surface_B)));
+  if (const auto& bone = prepared.model.stationary_bone)
+    hash.add(field_key(bone->surface_B, contact_field_options(plan, bone->surface_B)));
   for (const geometry::RigidPath& path : prepared.paths()) {
     const auto& [name, keyframes, steps, interpolation] = path;
     hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));

@@ -1,12 +1,28 @@
 #include <lefort/io/field_file.h>
 #include <lefort/pipeline/cache/stage_keys.h>
 #include <lefort/pipeline/prepare/cached_field.h>
+#include <lefort/predict/contact_field.h>
 
 #include <utility>
 
 namespace lefort::pipeline {
 
 namespace fs = std::filesystem;
+
+field::DistanceFieldOptions contact_field_options(const io::PlanFile& plan,
+                                                  const geometry::TriangleMesh& surface_B) {
+  field::DistanceFieldOptions options =
+      predict::contact_field_options(plan.field, surface_B, plan.tissue);
+  options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
+  return options;
+}
+
+field::DistanceFieldOptions overlap_field_options(const io::PlanFile& plan,
+                                                  const geometry::TriangleMesh& surface_B) {
+  field::DistanceFieldOptions options = contact_field_options(plan, surface_B);
+  options.smooth = false;
+  return options;
+}
 
 Result<std::shared_ptr<const field::DistanceField>> find_field(
     const std::string& name, const geometry::TriangleMesh& surface_B,

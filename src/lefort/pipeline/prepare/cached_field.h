@@ -6,6 +6,7 @@
 #include <lefort/core/progress.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/triangle_mesh.h>
+#include <lefort/io/plan_file.h>
 #include <lefort/pipeline/cache/stage_cache.h>
 
 #include <filesystem>
@@ -13,6 +14,19 @@
 #include <string>
 
 namespace lefort::pipeline {
+
+/// Options of the field that tissue in contact with a bone uses: of each segment and of stationary
+/// bone.
+///
+/// \param surface_B  of the bone.
+[[nodiscard]] field::DistanceFieldOptions contact_field_options(
+    const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
+
+/// Options of the field of stationary bone that the check of bone overlap uses: not smooth.
+///
+/// \param surface_B  of the bone.
+[[nodiscard]] field::DistanceFieldOptions overlap_field_options(
+    const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
 
 /// \param name       of the bone, for the stage and the file.
 /// \param surface_B  of the bone.

@@ -52,14 +52,12 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
 }
 
 Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments& cut,
-                                                         const field::DistanceFieldOptions& options,
-                                                         const predict::TissueOptions& tissue,
+                                                         const io::PlanFile& plan,
                                                          const StageCache& cache,
                                                          Progress& progress) {
   std::vector<predict::MovedSegment> segments;
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) {
-    LEFORT_TRY(auto field, find_field("segment", segment_L,
-                                      predict::contact_field_options(options, segment_L, tissue),
+    LEFORT_TRY(auto field, find_field("segment", segment_L, contact_field_options(plan, segment_L),
                                       cache, progress));
     segments.push_back({segment_L, std::move(field)});
   }
@@ -69,8 +67,7 @@ Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments
 /// Bones of a plan after the osteotomies.
 struct BonesAndFields {
   plan::CutSegments cut;
-  geometry::TriangleMesh segments_L;          ///< All segments as one mesh.
-  field::DistanceFieldOptions field_options;  ///< Of the segments' fields.
+  geometry::TriangleMesh segments_L;  ///< All segments as one mesh.
   std::vector<predict::MovedSegment> segments;
 };
 
@@ -86,10 +83,7 @@ Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& hea
   for (std::size_t k = 0; k < plan.segments.size(); ++k)
     note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, bones.cut.segments_L[k],
                       progress);
-  bones.field_options = plan.field;
-  bones.field_options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
-  LEFORT_TRY(bones.segments,
-             find_segments(bones.cut, bones.field_options, plan.tissue, cache, progress));
+  LEFORT_TRY(bones.segments, find_segments(bones.cut, plan, cache, progress));
   LEFORT_TRY_VOID(predict::check_reach(plan::paths_of(plan.segments), bones.segments,
                                        plan.contact.detection, plan.boundary));
   return bones;
@@ -100,11 +94,9 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
                                                                   const StageCache& cache,
                                                                   Progress& progress) {
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
-  field::DistanceFieldOptions field_options =
-      predict::contact_field_options(prepared.field_options, remainder_L, plan.tissue);
-  field_options.smooth = false;
   LEFORT_TRY(const auto stationary_field,
-             find_field("remainder", remainder_L, field_options, cache, progress));
+             find_field("remainder", remainder_L, overlap_field_options(plan, remainder_L), cache,
+                        progress));
   progress.begin_stage("check bone overlap");
   if (!stationary_field->frame().closed)
     progress.note(
@@ -191,21 +183,13 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
 /// The field of stationary bone, if tissue meets it.
 Result<std::optional<predict::MovedSegment>> find_stationary_bone(
     const predict::TissueBoundary& boundary, const geometry::TriangleMesh& remainder_L,
-    const field::DistanceFieldOptions& field_options, const StageCache& cache, Progress& progress) {
+    const io::PlanFile& plan, const StageCache& cache, Progress& progress) {
   if (!boundary.tissue.face_sets.contains(predict::sets::kStationaryContact) &&
       !predict::slides_on_stationary_bone(boundary.interface))
     return std::nullopt;
-  LEFORT_TRY(auto field, find_field("remainder", remainder_L, field_options, cache, progress));
+  LEFORT_TRY(auto field, find_field("remainder", remainder_L,
+                                    contact_field_options(plan, remainder_L), cache, progress));
   return predict::MovedSegment{remainder_L, std::move(field)};
-}
-
-/// Options of the field of stationary bone.
-field::DistanceFieldOptions stationary_field_options(const io::PlanFile& plan,
-                                                     const geometry::TriangleMesh& remainder_L) {
-  field::DistanceFieldOptions options =
-      predict::contact_field_options(plan.field, remainder_L, plan.tissue);
-  options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
-  return options;
 }
 
 /// Reports the conditions of the boundary, paint without effect, and a scan that ends too close.
@@ -273,10 +257,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                                       plan.tissue, plan.boundary, cache, progress));
   predict::TissueBoundary& boundary = made.boundary;
   note_boundary(boundary, plan, painted.has_value(), progress);
-  LEFORT_TRY(
-      std::optional<predict::MovedSegment> stationary_bone,
-      find_stationary_bone(boundary, bones.cut.remainder_L,
-                           stationary_field_options(plan, bones.cut.remainder_L), cache, progress));
+  LEFORT_TRY(std::optional<predict::MovedSegment> stationary_bone,
+             find_stationary_bone(boundary, bones.cut.remainder_L, plan, cache, progress));
   mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer =
@@ -311,10 +293,8 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                          tissue, boundary, cache, progress));
   predict::TissueBoundary& found = made.boundary;
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
-  LEFORT_TRY(
-      std::optional<predict::MovedSegment> stationary_bone,
-      find_stationary_bone(found, remainder_L, stationary_field_options(prepared.plan, remainder_L),
-                           cache, progress));
+  LEFORT_TRY(std::optional<predict::MovedSegment> stationary_bone,
+             find_stationary_bone(found, remainder_L, prepared.plan, cache, progress));
   return predict::FaceModel{.tissue = std::move(found.tissue),
                             .segments = prepared.model.segments,
                             .stationary_bone = std::move(stationary_bone),

@@ -7,7 +7,7 @@ namespace lefort::pipeline {
 double peak_memory_mb() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024.0;  // Linux counts kilobytes.
+  return double(usage.ru_maxrss) * 1024.0 / 1e6;  // Linux counts in 1024 bytes.
 }
 
 }  // namespace lefort::pipeline

@@ -4,7 +4,7 @@
 
 namespace lefort::pipeline {
 
-/// Largest resident memory since the process started, in MiB.
+/// Largest resident memory since the process started, in MB, 1e6 bytes.
 [[nodiscard]] double peak_memory_mb();
 
 }  // namespace lefort::pipeline

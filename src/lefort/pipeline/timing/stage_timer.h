@@ -19,7 +19,7 @@ class StageTimer final : public Progress {
   explicit StageTimer(Progress& shown) : shown_(shown) {}
 
   void begin_stage(std::string_view name) override {
-    end_stage();
+    stages_ = stages();
     stages_.emplace_back(name, 0.0);
     begun_ = Clock::now();
     shown_.begin_stage(name);
@@ -29,7 +29,7 @@ class StageTimer final : public Progress {
   [[nodiscard]] bool stop_requested() const override { return shown_.stop_requested(); }
 
   /// As stages(): seconds by name, and their total, as JSON.
-  [[nodiscard]] nlohmann::ordered_json seconds_json() {
+  [[nodiscard]] nlohmann::ordered_json seconds_json() const {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     double total = 0.0;
     for (const auto& [name, seconds] : stages()) {
@@ -40,23 +40,19 @@ class StageTimer final : public Progress {
     return json;
   }
 
-  /// Name and seconds of every stage so far. Ends the current one: what follows is not measured
-  /// until the next begin_stage().
-  [[nodiscard]] const std::vector<std::pair<std::string, double>>& stages() {
-    end_stage();
-    return stages_;
+  /// Name and seconds of every stage so far, the current one included.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> stages() const {
+    auto stages = stages_;
+    if (!stages.empty())
+      stages.back().second = std::chrono::duration<double>(Clock::now() - begun_).count();
+    return stages;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void end_stage() {
-    if (stages_.empty() || stages_.back().second > 0.0) return;
-    stages_.back().second = std::chrono::duration<double>(Clock::now() - begun_).count();
-  }
-
   Progress& shown_;
-  std::vector<std::pair<std::string, double>> stages_;
+  std::vector<std::pair<std::string, double>> stages_;  ///< The last one without its time.
   Clock::time_point begun_;
 };
 
