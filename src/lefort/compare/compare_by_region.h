@@ -21,8 +21,8 @@ struct RegionDifference {
   std::optional<DifferenceStatistics> if_unchanged;
 };
 
-/// Assigns vertices to regions. Landmarks are those of the face before surgery: if `face_L` is the
-/// same surface after a displacement, a vertex keeps its region.
+/// Assigns vertices to the regions of the face before surgery. If `face_L` is the same surface
+/// after a displacement, each vertex keeps the region that it had before.
 ///
 /// \param face_L    the face.
 /// \param before_L  the face before surgery; null if there is none.

@@ -8,8 +8,8 @@
 
 namespace lefort::compare {
 
-/// Weighted by area, so that they do not depend on the triangulation. All except `area_mm2` and
-/// `compared_fraction` are NaN if nothing is compared.
+/// Statistics weighted by area, so that they do not depend on the triangulation. All except
+/// `area_mm2` and `compared_fraction` are NaN if nothing is compared.
 struct DifferenceStatistics {
   double area_mm2 = 0.0;           ///< Of the requested part.
   double compared_fraction = 0.0;  ///< Of that area, 0 to 1.

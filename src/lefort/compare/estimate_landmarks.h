@@ -16,10 +16,11 @@ namespace lefort::compare {
 /// within 60 mm posterior to and 35 mm lateral of Prn (menton, on bone). The other heights follow
 /// from h, the height of Prn above menton, and from L = 0.95 h, the height of Sn above soft menton,
 /// by fractions close to the means of adult faces \cite farkas1994, heuristic: Sn at 0.15 h below
-/// Prn, N' at 0.75 L above Sn, Stm at L/3, Li at 0.45 L, Pg' at 0.75 L and Me' at L below Sn; half
-/// widths 0.25 L of the nose, 0.24 L of the inner and 0.66 L of the outer canthi, and 0.37 L of the
-/// mouth. The depth of each point is that of the most anterior skin within 6 mm of it, seen from
-/// the front. The regions that follow are approximate: landmarks of the patient are better.
+/// Prn; above Sn: Al at 0.05 L, En and Ex at 0.65 L, N' at 0.75 L; below Sn: Stm and Ch at L/3, Li
+/// at 0.45 L, Pg' at 0.75 L, Me' at L. Half widths: Al 0.25 L, En 0.24 L, Ex 0.66 L, Ch 0.37 L. The
+/// depth of each point is that of the most anterior skin within 6 mm of it, seen from the front;
+/// without skin there, 20 mm posterior to Prn. Regions by these landmarks are approximate:
+/// landmarks of the patient are better.
 ///
 /// \param skin_L  of the head.
 /// \param bone_L  skull and mandible.

@@ -27,8 +27,8 @@ struct ReportedRegion {
 struct RegionError {
   std::string region;
   DifferenceStatistics statistics;
-  /// Mean, weighted by area, of the vector from the closest achieved point to the predicted one, in
-  /// L; NaN if nothing is compared.
+  /// Mean, weighted by area, of the vector from the closest point of the achieved face to the
+  /// compared point of the other face, in L; NaN if nothing is compared.
   Vec3 mean_offset_mm;
 };
 
@@ -42,7 +42,7 @@ struct RegionError {
                                                   std::span<const FaceRegion> region_of,
                                                   const geometry::Bvh& achieved_L);
 
-/// The same from a difference that is known.
+/// The same from a difference that was measured before.
 ///
 /// \param difference  of the face to the achieved face.
 /// \param region_of   one per vertex of the face.

@@ -72,7 +72,7 @@ class FaceRegions {
   };
   [[nodiscard]] bool contains(const Part& part, const Vec3& local) const;
 
-  Mat3 R_FL_ = Mat3::Identity();  ///< Rows: left, front, up.
+  Mat3 R_FL_ = Mat3::Identity();  ///< Rows: left, anterior, superior.
   Vec3 middle_L_ = Vec3::Zero();
   std::vector<Part> parts_;  ///< By priority.
   std::vector<std::string> missing_;

@@ -17,7 +17,7 @@ namespace lefort::compare {
 /// \param before_L, after_L  the same surface in two states: equal vertex counts and triangles.
 /// \param near_mm            largest distance of a landmark from the skin.
 /// \returns the displaced landmarks within `near_mm` of the skin, in their order; or
-///   kInvalidArgument if the two are not the same surface.
+///   kInvalidArgument if the vertex counts or triangles differ.
 [[nodiscard]] Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmarks_L,
                                                       const geometry::TriangleMesh& before_L,
                                                       const geometry::TriangleMesh& after_L,

@@ -26,7 +26,8 @@ enum class Procedure : std::uint8_t {
 };
 
 /// \param procedure  a procedure.
-/// \returns "le-fort-1", "sagittal-split", ..., "unknown"; for people "Le Fort I", ...
+/// \returns the name in files: "le-fort-1", "sagittal-split", ..., "unknown"; title_of(): the name
+///   in texts, "Le Fort I", ...
 [[nodiscard]] const char* name_of(Procedure procedure);
 [[nodiscard]] const char* title_of(Procedure procedure);
 

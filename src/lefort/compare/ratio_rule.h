@@ -1,6 +1,6 @@
 /// \file
 /// The rule of thumb that a finite-element prediction must beat: skin moves by a fixed fraction of
-/// the bone below it.
+/// the displacement of the closest bone.
 #pragma once
 
 #include <lefort/compare/face_regions.h>

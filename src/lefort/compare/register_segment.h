@@ -12,7 +12,7 @@ namespace lefort::compare {
 
 /// The difference between two movements of the same bone.
 struct MovementDifference {
-  Vec3 translation_mm;  ///< Of the bone's center, from the first to the second, in L.
+  Vec3 translation_mm;  ///< Of the center of the bone's bounding box, first to second, in L.
   Vec3 rotation_rad;    ///< Rotation vector from the first to the second, in L.
   double max_mm;        ///< Largest distance between the two positions of a vertex.
 };
@@ -36,9 +36,9 @@ struct MovementDifference {
                                                     const RigidTransform& planned_LB,
                                                     Progress& progress = Progress::none());
 
-/// Removes the part of a bone that surgery may have altered. Of the stationary bone, the part
-/// remains that saw and healing do not change; two scans can be registered on it. Of a segment, the
-/// surface without cut faces remains.
+/// Removes the part of a bone that surgery may have altered: all triangles near other bone. Saw and
+/// healing do not change what remains of stationary bone, so that two scans can be registered on
+/// it. What remains of a segment is its surface without cut faces.
 ///
 /// \param bone_L           the bone.
 /// \param others_L         the other bones after the osteotomy.

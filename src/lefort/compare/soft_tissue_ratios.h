@@ -40,9 +40,10 @@ struct SoftTissueRatio {
   FaceAxis axis = FaceAxis::kAnterior;
   bool is_main_axis = false;  ///< The axis with the largest movement of the segment.
   std::string soft;           ///< Landmark of the skin, with its side; kUpperLip; or kFacingSkin.
-  std::string hard;           ///< Landmark of bone; or kSegment: mean of its anterior surface.
-  double soft_mm = 0.0;       ///< Displacement of the skin to anterior, superior, or left.
-  double hard_mm = 0.0;       ///< Of the bone, as soft_mm; at least 1 mm in magnitude.
+  std::string hard;      ///< Landmark of bone; or kSegment: mean of its anterior surface, or of
+                         ///< all its vertices if no skin is anterior to it.
+  double soft_mm = 0.0;  ///< Displacement of the skin to anterior, superior, or left.
+  double hard_mm = 0.0;  ///< Of the bone, as soft_mm; at least 1 mm in magnitude.
   std::optional<PublishedRange> published{};
 
   /// soft_mm / hard_mm: positive if skin and bone move in the same direction, also in a setback or

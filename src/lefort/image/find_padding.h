@@ -1,5 +1,5 @@
 /// \file
-/// The constant value that a scanner writes outside its circular field of view.
+/// Finds padding: voxels outside the circular field of view, which a scanner fills with one value.
 #pragma once
 
 #include <lefort/image/volume.h>

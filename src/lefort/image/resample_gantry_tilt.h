@@ -1,5 +1,5 @@
 /// \file
-/// Resamples parallel slices with lateral or uneven offsets to a regular grid.
+/// Resamples parallel slices that are shifted in their plane or unevenly spaced to a regular grid.
 #pragma once
 
 #include <lefort/image/volume.h>

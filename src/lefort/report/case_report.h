@@ -17,7 +17,7 @@ struct ReportPicture {
   std::string png{};
 };
 
-/// Two pictures of equal view and size, compared with a slider.
+/// Two pictures of equal view and size; a slider moves the border between them.
 struct BeforeAfter {
   std::string title{};
   std::string caption{};
@@ -33,16 +33,16 @@ struct KeyNumber {
 
 struct ReportTable {
   std::string title{};
-  std::vector<std::string> heads{};              ///< With units.
-  std::vector<std::vector<std::string>> rows{};  ///< The row's name, then numbers.
+  std::vector<std::string> heads{};              ///< Of the columns, with units.
+  std::vector<std::vector<std::string>> rows{};  ///< Name of the row, then its values.
 };
 
 /// Convergence of the equilibrium at one path fraction.
 struct SolverStep {
   double path_fraction = 0.0;                ///< 0 to 1.
   std::vector<double> relative_residuals{};  ///< One per Newton iteration.
-  double max_penetration_mm = 0.0;
-  double mean_penetration_mm = 0.0;  ///< Over the contact area.
+  double max_penetration_mm = 0.0;           ///< Of tissue in bone; not the penetration increase.
+  double mean_penetration_mm = 0.0;          ///< Over the contact area.
 };
 
 struct ProvenanceRow {

@@ -13,7 +13,7 @@ using Rgb = std::array<double, 3>;
 
 enum class ColorMap {
   kSequential,  ///< From light (low) to dark (high) in even steps of lightness (magma).
-  kDiverging,   ///< Blue below, white at, red above the middle (Moreland's cool to warm).
+  kDiverging,   ///< Blue below, light gray at, red above the middle (Moreland 2009).
 };
 
 /// Color of values that are NaN: not measured, or outside the field.

@@ -30,9 +30,8 @@ struct SliceDrawing {
 };
 
 /// Distances are blue inside and red outside, with a thick line at zero and thin ones at multiples
-/// of the step. Points beyond the band are gray, darker inside; unknown ones are hatched. The
-/// letters of the patient's sides surround the picture; legend, scale bar and kNotForClinicalUse
-/// are below it.
+/// of the step. Points beyond the band are gray, darker inside; unknown ones are hatched. Letters
+/// at the four edges name the patient's sides; legend, scale bar and kNotForClinicalUse are below.
 ///
 /// \param drawing  the distances and how to draw them.
 /// \returns the picture; or kInvalidArgument if the sizes are inconsistent, a length is not

@@ -18,7 +18,8 @@ namespace lefort::pipeline {
 
 /// Distance between the faces of the interfaces `bonded` and `contact` at the end of the path, both
 /// solved on the same coarse mesh, over the skin that either of them moves by more than 0.5 mm.
-/// Where elements between two bonded bones invert, the interface `clinical` replaces `bonded`.
+/// If the solve with `bonded` fails, for example because elements between two bonded bones invert,
+/// the interface `clinical` replaces it.
 struct InterfaceSensitivity {
   double element_size_mm = 0.0;                                       ///< Of the coarse mesh.
   predict::TissueInterface held = predict::TissueInterface::kBonded;  ///< Or kClinical.

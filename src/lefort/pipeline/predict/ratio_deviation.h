@@ -13,7 +13,7 @@ namespace lefort::pipeline {
 
 /// The same ratio by two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
 struct RatioByInterface {
-  double held = 0.0;     ///< By `bonded`; where elements invert, by `clinical`.
+  double held = 0.0;     ///< By `bonded`; if that fails, by `clinical`.
   double contact = 0.0;  ///< By `contact`.
 };
 
