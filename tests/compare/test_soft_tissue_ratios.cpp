@@ -105,6 +105,16 @@ TEST(SoftTissueRatios, AreRelativeToTheFrankfurtHorizontal) {
   EXPECT_EQ(face_axes({}).superior_L, Vec3::UnitZ());
 }
 
+TEST(SoftTissueRatios, OfTheWholeMandibleAreNotThoseOfAGenioplasty) {
+  BoxHead head;
+  head.add("mandible", moved_by({0, 4, 0})).is_whole_mandible = true;
+  head.landmarks_L = {{"Pg", {0, -30, -5}}, {"Pg'", {0, -60, -5}}};
+  const auto ratios = head.ratios([](const Vec3&) { return Vec3(0, 3.8, 0); });
+  const SoftTissueRatio* const chin = find(ratios, "Pg'", FaceAxis::kAnterior);
+  ASSERT_NE(chin, nullptr);
+  EXPECT_EQ(chin->procedure, Procedure::kSagittalSplit);
+}
+
 TEST(SoftTissueRatios, ArePositiveInASetbackWhoseSkinFollows) {
   BoxHead head;
   head.add("mandible", moved_by({0, 4, 0})).osteotomy.procedure = OsteotomyTemplate::kSagittalSplit;

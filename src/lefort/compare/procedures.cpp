@@ -52,6 +52,7 @@ std::vector<Procedure> procedures_of(std::span<const plan::PlannedSegment> plann
     const auto& planned_as = planned[k].osteotomy.procedure;
     Procedure procedure =
         planned_as ? procedure_of(*planned_as) : procedure_by_landmarks(k, landmarks, bones);
+    if (planned[k].is_whole_mandible) procedure = Procedure::kSagittalSplit;
     for (std::size_t parent = 0; parent < k && procedure == Procedure::kUnknown; ++parent)
       if (planned[parent].osteotomy.segment == planned[k].cut_from) procedure = procedures[parent];
     if (planned[k].is_distracted &&

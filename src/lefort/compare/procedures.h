@@ -16,7 +16,8 @@ namespace lefort::compare {
 /// The procedure of each segment: by the template of its osteotomy; without one, by the landmarks
 /// on it, in this order: Zy, FZ: Le Fort III; Or, N: Le Fort II; ANS, A, U1: Le Fort I; L1, B:
 /// sagittal split; Pg, Gn, Me: genioplasty; without these, that of the segment it was cut from. A
-/// Le Fort II or III by distraction is a midface distraction.
+/// Le Fort II or III by distraction is a midface distraction. The whole mandible is compared with
+/// sagittal splits, which move the same chin.
 ///
 /// \param planned    the segments.
 /// \param landmarks  before surgery.
