@@ -12,8 +12,7 @@
 namespace lefort::pipeline {
 namespace {
 
-/// Coarse mesh: on the demo head its face differs from that of 2.5 mm elements by P50 0.21 mm and
-/// P99 1.1 mm, less than the interfaces differ (docs/studies/interface.md). Contact as a random
+/// A coarse mesh, for both interfaces: only their difference is reported. Contact as a random
 /// input: \cite knoops2018.
 constexpr double kElementSize_mm = 8.0, kFarElementSize_mm = 12.0;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
