@@ -13,11 +13,10 @@
 namespace lefort::mesh {
 
 struct BoundaryLayerOptions {
-  double thickness_mm = 1.5;  ///< Of all layers together, > 0.
-  int layers = 2;             ///< 1 to 8, equally thick.
-  std::int32_t region = 1;    ///< Region of the layer's elements.
-  double min_scaled_jacobian =
-      0.1;  ///< 0 to 0.5; the layer is thinner where quality would be less.
+  double thickness_mm = 1.5;         ///< Of all layers together, > 0.
+  int layers = 2;                    ///< 1 to 8, equally thick.
+  std::int32_t region = 1;           ///< Region of the layer's elements.
+  double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; where quality is lower, the layer is thinner.
 };
 
 /// Whether a boundary face belongs to a plane at which the meshed region ends: at least one corner

@@ -12,11 +12,10 @@
 namespace lefort::pipeline {
 
 struct CompareJob {
-  std::filesystem::path face;                  ///< A surface, or the folder of a prediction.
-  std::optional<std::filesystem::path> other;  ///< The other face; as `face`.
-  std::optional<std::filesystem::path>
-      after_ct;                                 ///< A scan after surgery; `other` is then ignored.
-  std::optional<std::filesystem::path> before;  ///< The skin before surgery, for the baseline.
+  std::filesystem::path face;                      ///< A surface, or the folder of a prediction.
+  std::optional<std::filesystem::path> other;      ///< The other face; as `face`.
+  std::optional<std::filesystem::path> after_ct;   ///< Scan after surgery; `other` is not used.
+  std::optional<std::filesystem::path> before;     ///< The skin before surgery, for the baseline.
   std::optional<std::filesystem::path> landmarks;  ///< Before surgery; they define the regions.
   std::filesystem::path output;                    ///< A folder; made if missing.
   bool pictures = true;

@@ -23,9 +23,8 @@ struct CaseFiles {
 };
 
 struct CasePlan {
-  nlohmann::ordered_json json;  ///< Valid; paths are relative to the work folder.
-  std::vector<bool>
-      lacks_movement{};  ///< By segment: it has no path, and stays in place in `json`.
+  nlohmann::ordered_json json;         ///< Valid; paths are relative to the work folder.
+  std::vector<bool> lacks_movement{};  ///< By segment: it has no path; in `json` it stays in place.
 };
 
 /// The plan of the case, of the cohort or, without both, of the mandible as a whole.
