@@ -49,15 +49,15 @@ class DistanceField {
   /// \param p_B  query point [mm].
   [[nodiscard]] FieldSample sample(const Vec3& p_B) const;
 
-  /// The same for several points, several times as fast. \pre as many results as points.
+  /// The same for several points; several times as fast per point. \pre as many results as points.
   void sample(std::span<const Vec3> p_B, std::span<FieldSample> results) const;
 
   /// Distances only [mm]: beyond the band +infinity outside and -infinity inside; NaN if unknown.
   /// \pre as many results as points.
   void distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const;
 
-  /// Estimate of the closest surface point [mm]: `p_B` minus distance times gradient. Exact above
-  /// flat faces; nothing if the zone of sample() is not kBand.
+  /// Estimate of the closest surface point [mm]: `p_B` minus distance times gradient. Exact if that
+  /// point is on a flat face away from its edges. Nothing if the zone of sample() is not kBand.
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
   /// Continuously differentiable distance: piecewise cubic interpolation of the finest lattice,

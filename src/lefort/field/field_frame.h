@@ -15,7 +15,7 @@ struct FieldFrame {
   int resolution = 0;            ///< Cells along an edge of the cube, a power of two.
   double band_mm = 0.0;          ///< Samples closer to the surface than this are known.
   double tolerance_mm = 0.0;     ///< Octrees reproduce known samples within this.
-  bool closed = false;  ///< The surface encloses a volume, so zones outside the band are known.
+  bool closed = false;           ///< The surface is closed: zones beyond the band are known.
 
   /// Every point up to this distance from the surface lies between known samples, except where
   /// signs are in conflict.

@@ -8,8 +8,7 @@
 
 namespace lefort::field {
 
-/// Distance, interpolated between the samples around a point. If the zone is not kBand, the
-/// distance is +band_mm (kOutside, kUnknown) or -band_mm (kInside), and the gradient is zero.
+/// Distance, interpolated between the samples around a point.
 ///
 ///   zone      distance        gradient     meaning
 ///   kBand     interpolated    interpolated within the narrow band

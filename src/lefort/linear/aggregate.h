@@ -9,7 +9,7 @@
 
 namespace lefort::linear {
 
-/// The aggregate of each block row.
+/// A partition of the block rows into aggregates.
 struct Aggregates {
   std::int32_t count = 0;
   std::vector<std::int32_t> of_row;
@@ -33,8 +33,8 @@ struct CoarseSpace {
   Modes<6> modes;  ///< The modes in the coarse space; basis * modes are the fine modes.
 };
 
-/// Builds the coarse space. Modes that are linearly dependent on an aggregate (a single node has no
-/// rotations) give zero columns of the basis.
+/// Builds the coarse space. Modes that are linearly dependent on an aggregate (the rotations, if it
+/// is a single node) give zero columns of the basis.
 ///
 /// \param aggregates  of the rows.
 /// \param modes       near null space of the matrix.

@@ -13,7 +13,8 @@
 
 namespace lefort::linear {
 
-/// Aligned to cache lines, not initialized; empty if the allocation failed.
+/// An array of `size` doubles, aligned to cache lines, not initialized. False as a condition if the
+/// allocation failed.
 class AlignedBuffer {
  public:
   AlignedBuffer() = default;

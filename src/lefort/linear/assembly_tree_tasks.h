@@ -12,7 +12,7 @@
 
 namespace lefort::linear {
 
-/// Whether the loops within a front run in parallel: useful only near the root.
+/// Whether the loops within a front run in parallel; this is useful only near the root.
 enum class FrontLoops { kSerial, kParallel };
 
 /// A subtree with less than this fraction of the total work is one task.
@@ -58,8 +58,8 @@ void visit_downwards(const CholeskyPlan& plan, const Visit& visit) {
       Index(roots.size()), [&](Index r) { subtree(subtree, roots[std::size_t(r)]); }, 1);
 }
 
-/// Calls body(i) for every i in [0, count). A thread that waits here does not start another
-/// subtree, which would delay this front.
+/// Calls body(i) for every i in [0, count). While a thread waits here it does not start another
+/// subtree, since that would delay this front.
 ///
 /// \param loops  whether to run in parallel.
 /// \param count  number of iterations.

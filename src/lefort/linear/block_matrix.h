@@ -19,10 +19,10 @@ struct BlockMatrix {
   using Block = Eigen::Matrix<double, kRows, kColumns>;
   static constexpr Index kSize = kRows * kColumns;
 
-  std::int32_t columns = 0;  ///< In blocks.
+  std::int32_t columns = 0;  ///< Number of block columns.
   std::vector<std::int32_t> start = {0};
   std::vector<std::int32_t> column;
-  std::vector<double> values;  ///< kSize for each block, column by column.
+  std::vector<double> values;  ///< kSize for each block; a block is stored column by column.
 
   [[nodiscard]] std::int32_t rows() const { return std::int32_t(start.size()) - 1; }
   [[nodiscard]] Index row_begin(Index i) const { return start[std::size_t(i)]; }

@@ -27,7 +27,7 @@ struct Supernode {
   std::int32_t parent = -1;    ///< -1 for a root.
   /// The subtree of supernode s consists of the supernodes first_descendant to s.
   std::int32_t first_descendant = 0;
-  std::int64_t panel = 0;        ///< Offset of its columns in the factor.
+  std::int64_t panel = 0;        ///< Offset of its columns in the factor, in entries.
   std::int64_t rows_offset = 0;  ///< Offset of its rows in a vector over the rows of all fronts.
   double work = 0.0;             ///< Multiplications to eliminate its subtree.
 
@@ -54,7 +54,7 @@ struct EntryTarget {
 struct CholeskyPlan {
   std::vector<std::int32_t> order;     ///< Rows of A in the order of elimination.
   std::vector<Supernode> supernodes;   ///< Children before parents, subtrees contiguous.
-  std::vector<std::int32_t> children;  ///< Of all supernodes; after them the roots.
+  std::vector<std::int32_t> children;  ///< Of all supernodes in turn, then the roots.
   std::vector<std::int32_t> child_start;
   std::vector<RowRun> runs;
   std::vector<std::int64_t> run_start;
@@ -62,7 +62,7 @@ struct CholeskyPlan {
   std::vector<std::int64_t> entry_start;
   std::int64_t factor_entries = 0;  ///< Size of the factor, with padding.
   std::int64_t front_rows = 0;      ///< Rows of all fronts.
-  std::int64_t peak_update = 0;     ///< Peak size of waiting update matrices with one thread.
+  std::int64_t peak_update = 0;     ///< Max entries of stored update matrices, one thread.
 
   [[nodiscard]] std::span<const std::int32_t> roots() const {
     return part(children, child_start, std::int32_t(supernodes.size()));

@@ -25,7 +25,8 @@ struct CgOutcome {
   int iterations = 0;
 };
 
-/// The inner product a . b, summed in an order that depends on the size only.
+/// The inner product a . b. The order of the sum depends on the size only, so that the bits do not
+/// depend on the number of threads.
 [[nodiscard]] inline double inner_product(const VectorX& a, const VectorX& b) {
   constexpr Index kBlockSize = 4096;
   return deterministic_sum((a.size() + kBlockSize - 1) / kBlockSize, 0.0, [&](Index part) {
@@ -42,6 +43,7 @@ struct CgOutcome {
 /// \param start           initial iterate.
 /// \param tolerance       relative residual to be reached.
 /// \param max_iterations  >= 0.
+/// \returns the last iterate and why the iteration ended.
 template <class Multiply, class Precondition>
 [[nodiscard]] CgOutcome conjugate_gradients(const Multiply& multiply,
                                             const Precondition& precondition, const VectorX& b,

@@ -13,8 +13,8 @@ namespace lefort::linear {
 /// Rows and columns of a tile are multiples of this: the doubles in the widest register.
 inline constexpr int kLane = 8;
 
-/// Most rows or columns of a tile. It is a multiple of all register blocks, and an odd number of
-/// cache lines per column avoids conflicts between columns in the cache.
+/// Max rows or columns of a tile: a multiple of all register blocks, and an odd number of cache
+/// lines per column, so that columns do not compete for the same cache sets.
 inline constexpr int kTile = 120;
 
 /// Instruction sets that the loops are compiled for. kAvx2 and kAvx512 fuse multiplication and

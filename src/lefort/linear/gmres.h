@@ -24,9 +24,10 @@ struct GmresOutcome {
 /// \param multiply        multiply(x): A x.
 /// \param precondition    precondition(r): approximately A^-1 r, or nothing if it failed.
 /// \param b               right-hand side.
-/// \param tolerance       relative residual at which it stops.
+/// \param tolerance       relative residual at which the iteration stops.
 /// \param max_iterations  maximum number of iterations; >= 1.
-/// \returns nothing if an iteration failed.
+/// \returns the solution and its residual, also if the tolerance was not reached; nothing if the
+///   preconditioner failed, or the Krylov space is singular or not finite.
 template <class Multiply, class Precondition>
 [[nodiscard]] std::optional<GmresOutcome> solve_by_gmres(const Multiply& multiply,
                                                          const Precondition& precondition,

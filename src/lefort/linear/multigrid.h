@@ -17,14 +17,15 @@
 
 namespace lefort::linear {
 
-/// Constants of the method; defaults were measured.
+/// Constants of the method; the defaults were chosen by measurements.
 struct MultigridOptions {
   double strong_coupling = 0.02;  ///< Threshold of aggregate(); halved on each level.
   /// Degree of the Chebyshev smoother, before and after the coarse correction; >= 1.
   int smoothing_degree = 2;
-  /// The smoother damps eigenvalues from the largest down to the largest over this ratio.
+  /// The smoother damps the eigenvalues between the largest one and the largest one divided by
+  /// this.
   double smoothed_range = 20.0;
-  std::int32_t direct_rows = 3000;  ///< Matrices with at most so many rows are solved directly.
+  std::int32_t direct_rows = 3000;  ///< Matrices with at most this many rows are solved directly.
 };
 
 /// A hierarchy of matrices and its V-cycle.

@@ -16,12 +16,12 @@ struct BoundaryLayerOptions {
   double thickness_mm = 1.5;         ///< Of all layers together, > 0.
   int layers = 2;                    ///< 1 to 8, equally thick.
   std::int32_t region = 1;           ///< Region of the layer's elements.
-  double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; the layer gets thinner where quality is lower.
+  double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; where quality is lower, the layer is thinner.
 };
 
 /// Whether a boundary face belongs to a plane at which the meshed region ends: at least one corner
-/// lies in the plane, and the normals differ by less than 45 degrees. Faces that bevel the edge
-/// between the plane and other boundary count, too, if their normal is closer to that of the plane.
+/// lies in the plane, and the normals differ by less than 45 degrees. Bevel faces between the plane
+/// and other boundary therefore belong to it if their normal is closer to that of the plane.
 ///
 /// \param nodes_L  nodes of the mesh [mm].
 /// \param face     corners, counter-clockwise seen from outside.
@@ -36,9 +36,9 @@ struct BoundaryLayerOptions {
 /// \cite garimella2000; here interior nodes move instead of being remeshed.
 ///
 ///     outer   a-------b-------c-----r     Where the skin ends at other boundary, its last node r
-///             | wedge | wedge | .'        stays single: a face with one such node carries
-///     inner   a'------b'------c'          pyramids, with two tetrahedra. Where it ends at a cut
-///              \ tet / \ tet / \          plane, sides of the wedges lie in the plane.
+///             | wedge | wedge | .'        is not doubled: on a face with one such node lie
+///     inner   a'------b'------c'          pyramids, with two tetrahedra. Where the skin ends at a
+///              \ tet / \ tet / \          cut plane, sides of the wedges lie in the plane.
 ///
 /// The layer is thinner
 /// - where the body is thin: at most a third of the distance through it;
@@ -50,7 +50,7 @@ struct BoundaryLayerOptions {
 /// \param tets        one block of kTet4 with positive volumes, without sets.
 /// \param skin        faces of its boundary to be covered.
 /// \param cut_planes  planes at which the meshed region ends. Skin nodes of cut faces (is_cut_face)
-///   move within their plane; those that do not lie in it stay single.
+///   move within their plane; those that do not lie in it are not doubled.
 /// \param options     thickness and quality.
 /// \param progress    receives the fraction of thinning rounds done; may request a stop.
 /// \returns the blocks: tetrahedra (those of the layer last), then pyramids and wedges if any;

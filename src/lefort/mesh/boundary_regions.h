@@ -10,8 +10,8 @@
 
 namespace lefort::mesh {
 
-/// A boundary node belongs to `name` if `distance_mm` there is at most `tolerance_mm`. With a
-/// signed distance this includes points inside.
+/// A boundary node belongs to `name` if `distance_mm` at the node is at most `tolerance_mm`. If
+/// that distance is signed, negative inside, this includes all points inside.
 struct BoundaryRule {
   std::string name;
   std::function<double(const Vec3&)> distance_mm;  ///< Of a point in L; called by many threads.
@@ -21,9 +21,9 @@ struct BoundaryRule {
 /// Adds a node set and a face set for each rule, for `rest`, and for the whole boundary
 /// ("boundary").
 ///
-/// A node belongs to the first rule that applies to it, otherwise to `rest`. A face belongs to the
-/// rule of most of its nodes; in a tie, to the first of these rules. The sets are disjoint: each
-/// node and each face is in one of them, and in "boundary".
+/// A node belongs to the first rule that applies to it; without one, to `rest`. A face belongs to
+/// the rule of most of its nodes; in a tie, to the first of these rules. The sets are disjoint:
+/// each node and each face is in one of them, and in "boundary".
 ///
 /// \param mesh    elements of any shape.
 /// \param rules   distinct names, none of them "boundary" or `rest`; a rule that applies to no node

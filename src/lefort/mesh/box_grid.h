@@ -21,7 +21,7 @@ namespace lefort::mesh {
 /// Node and face sets: the sides x0, x1, y0, y1, z0, z1, and "boundary" for all of them.
 ///
 /// \param shape    of all elements.
-/// \param cells    number of cells along x, y, z, each >= 1; element numbers must fit 32 bits.
+/// \param cells    number of cells along x, y, z, each >= 1; fewer than 2^31 elements.
 /// \param size_mm  edge lengths, > 0.
 /// \returns the mesh, one block.
 [[nodiscard]] VolumeMesh make_box(ElementShape shape, std::array<int, 3> cells,
@@ -35,7 +35,7 @@ enum class BoxMix {
 };
 
 /// Makes the same box of several element shapes; every interior face belongs to two elements. Each
-/// kind fills about the same fraction of the box.
+/// shape fills about the same fraction of the box.
 ///
 /// \param mix      which shapes, and along which axis they follow each other.
 /// \param cells    as for make_box(), at least as many as BoxMix states.

@@ -25,7 +25,7 @@ namespace lefort::mesh {
 ///
 /// \param curve             three points or more, in order; the last is joined to the first.
 /// \param direction         not zero.
-/// \param from_mm, to_mm    heights, p . direction of unit length; from < to.
+/// \param from_mm, to_mm    heights: p . direction, with the direction normalized; from < to.
 /// \param grow_mm           offset of the sides outwards, >= 0; corners are mitered.
 /// \returns a closed surface; or kInvalidArgument if there are fewer points, one is not finite, or
 ///   the projected curve crosses or touches itself before or after the offset.

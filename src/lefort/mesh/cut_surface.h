@@ -35,9 +35,9 @@ struct SurfaceCut {
 /// \returns both parts, or
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
 ///   - kMeshInvalid      the surface is empty, not finite, or open (the message names an edge);
-///   - kMeshingFailed    the surface crosses itself along the cut, also with planes displaced by up
-///     to 1e-4 mm; the sum of the volumes of the parts is wrong by more than 0.1 %; or memory is
-///     exhausted;
+///   - kMeshingFailed    the surface crosses itself along the cut, even after the planes were
+///     displaced by up to 1e-4 mm; the volumes of the parts do not add up within 0.1 %; or memory
+///     is exhausted;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Intersection points are computed exactly, then rounded \cite cgal:lty-pmp, chapter
 ///   "Corefinement and Boolean Operations". Same input, same bits.
@@ -50,8 +50,8 @@ struct SurfaceCut {
 /// \param surface   closed once repaired; the same frame as `solid`.
 /// \param solid     closed, counter-clockwise seen from outside, not crossing itself; may be empty.
 /// \param progress  receives the fraction of attempts done; may request a stop.
-/// \returns as above, without kInvalidArgument; where the cut passes through a defect of the
-///   surface, the solid is displaced by up to 1e-4 mm.
+/// \returns as above, except kInvalidArgument. If the cut passes through a defect of the surface,
+///   the solid is displaced by up to 1e-4 mm.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              const geometry::TriangleMesh& solid,
                                              Progress& progress = Progress::none());

@@ -14,8 +14,9 @@ using InsidePredicate = std::function<bool(const Vec3&)>;
 
 /// Finds a t close to 0 at which is_inside changes at p + t * direction.
 ///
-/// Searches outwards if p is inside and inwards if it is outside, in steps that double from
-/// `tolerance_mm`, then by bisection. A layer thinner than its distance from p may be missed.
+/// Searches outwards if p is inside, inwards if it is outside. The first step is `tolerance_mm`;
+/// steps double until the value changes, then bisection follows. A layer that is thinner than its
+/// distance from p may be missed.
 ///
 /// \param p             start of the search [mm].
 /// \param direction     outward, unit length.

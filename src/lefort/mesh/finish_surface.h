@@ -12,7 +12,7 @@ namespace lefort::mesh {
 
 struct SurfaceFinish {
   int smoothing_passes = 10;         ///< geometry/smooth_surface.h; 0: none.
-  std::optional<Index> triangles{};  ///< Largest number of triangles; none: no decimation.
+  std::optional<Index> triangles{};  ///< Max number of triangles; none: no decimation.
 };
 
 /// A surface and its distance from the isosurface it was made from.
@@ -20,8 +20,9 @@ struct FinishedSurface {
   geometry::TriangleMesh mesh_L;
   bool is_closed = false;
   Index self_intersections = 0;  ///< Pairs of triangles (mesh/self_intersections.h).
-  double p99_off_mm = 0.0;       ///< 99th percentile of the vertex distances, larger of both ways.
-  double max_off_mm = 0.0;       ///< Largest vertex distance.
+  /// 99th percentile and maximum of the vertex distances: from the surface to the isosurface or in
+  /// the other direction, whichever is larger.
+  double p99_off_mm = 0.0, max_off_mm = 0.0;
 };
 
 /// Smooths, decimates and measures a surface.

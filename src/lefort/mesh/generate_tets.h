@@ -19,8 +19,8 @@ struct TetOptions {
   double facet_angle_deg = 25.0;     ///< Smallest angle of boundary faces, 0 to 30.
   double cell_radius_edge = 2.5;     ///< Largest circumradius over shortest edge, >= 2.
   double sliver_angle_deg = 15.0;    ///< Target of the smallest dihedral angle, 0 to 20.
-  /// Edges of elements with a smaller scaled Jacobian are collapsed (mesh/collapse_edges.h) where
-  /// that improves the quality; 0 to 0.5; 0: no collapse.
+  /// In elements with a smaller scaled Jacobian, an edge is collapsed (mesh/collapse_edges.h) if
+  /// this improves the quality; 0 to 0.5; 0: no collapse.
   double min_scaled_jacobian = 0.0;
   double level_tolerance_mm = 0.01;  ///< Largest distance of boundary nodes from the surface, > 0.
 };
@@ -45,7 +45,7 @@ struct TetOptions {
 ///                       exhausted; or more than 5 % of the volume is not connected to the largest
 ///                       part through faces (less is omitted, and reported as a note);
 ///   - kCancelled        `progress` requested a stop.
-/// \note Same input, same bytes, on one machine.
+/// \note The same input gives the same bits on one machine.
 [[nodiscard]] Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level_L,
                                                const Box3& box_L, const TetOptions& options = {},
                                                Progress& progress = Progress::none());

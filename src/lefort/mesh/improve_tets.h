@@ -14,7 +14,7 @@ namespace lefort::mesh {
 struct ImproveOptions {
   double angle_deg = 15.0;      ///< 0 to 20.
   int sweeps = 12;              ///< Largest number of passes over the elements.
-  double tolerance_mm = 0.001;  ///< Largest distance of boundary nodes from the surface.
+  double tolerance_mm = 0.001;  ///< Max distance of boundary nodes from the surface.
   bool with_jacobian = false;   ///< Improve scaled Jacobians below sin(angle_deg) / 2, too.
   std::span<const char> fixed_nodes = {};  ///< Not 0 for fixed nodes; empty, or one per node.
 };
@@ -23,8 +23,8 @@ struct ImproveOptions {
 /// of the elements around the node (pattern search). The connectivity does not change.
 ///
 /// Interior nodes move freely; boundary nodes move along the boundary and are then snapped to where
-/// `is_inside_L` changes. No move rotates a boundary face by more than 20 degrees, so ridges are
-/// preserved. Positive volumes stay positive.
+/// `is_inside_L` changes. No move rotates a boundary face by more than 20 degrees, so that ridges
+/// are preserved. Volumes stay positive.
 ///
 /// \param mesh         one block of kTet4.
 /// \param is_inside_L  the tissue; used for boundary nodes that are not fixed.

@@ -29,18 +29,19 @@ struct SlitPair {
 struct SlitMesh {
   VolumeMesh mesh;  ///< Nodes of the first side keep their numbers; those of the second are last.
   std::vector<Face> first_faces, second_faces;  ///< Of elements on each side.
-  std::vector<SlitPair> pairs;   ///< Ascending. Nodes on the border inside the body are single.
+  std::vector<SlitPair> pairs;   ///< Ascending. Border nodes inside the body are not duplicated.
   double area_mm2 = 0.0;         ///< Of one side.
   double rms_distance_mm = 0.0;  ///< Of the nodes of the slit from the surface.
 };
 
 /// Separates the elements on one side of a surface from those on the other.
 ///
-/// The side of an element is that of its centroid; an element that has more faces towards the other
-/// side changes to it. Nodes between the sides move onto the surface as far as the scaled Jacobians
-/// of their elements allow. Boundary nodes move along the boundary. Nodes of shapes other than
-/// kTet4 do not move. A node is then duplicated if the slit separates the elements around it. No
-/// element is removed; parts of less than a hundredth of the elements stay joined.
+/// The side of an element is that of its centroid. If more of its faces adjoin elements of the
+/// other side, the element changes to that side. Nodes between the sides move onto the surface as
+/// far as the scaled Jacobians of their elements permit. Boundary nodes move along the boundary.
+/// Nodes of elements other than kTet4 do not move. Then each node is duplicated whose elements the
+/// slit separates. No element is removed. A part of less than a hundredth of the elements is not
+/// separated.
 ///
 /// \param mesh         linear elements, without sets.
 /// \param surface      of the slit; its functions are called by one thread.

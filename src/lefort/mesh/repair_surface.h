@@ -9,7 +9,7 @@ namespace lefort::mesh {
 
 /// Makes a closed manifold surface: every vertex has one fan of triangles.
 ///
-/// - Vertices of equal position are merged if the surface is open otherwise.
+/// - If the surface is open, vertices of equal position are merged.
 /// - Triangles without area and duplicates are removed.
 /// - Vertices and edges where the surface touches itself are duplicated.
 /// - Triangles are oriented consistently, and outwards. If the input is already consistent, shells

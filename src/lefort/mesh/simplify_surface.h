@@ -12,12 +12,12 @@ namespace lefort::mesh {
 /// are left, or every further collapse would flip a triangle or change the topology.
 ///
 /// \param surface    closed; it is repaired first (repair_surface.h).
-/// \param triangles  wanted number, 4 or more.
+/// \param triangles  max number in the result, 4 or more.
 /// \param progress   receives the fraction of edges collapsed; may request a stop.
 /// \returns a closed surface; kInvalidArgument for fewer than 4 triangles; the errors of
 ///   repair_surface(); kMeshingFailed if CGAL fails; kCancelled.
-/// \note One thread; same input, same bits. Self-intersections may arise where sheets lie close
-///   together (see count_self_intersections()).
+/// \note One thread; the same input gives the same bits. The result may intersect itself where two
+///   parts of the surface lie close together (see count_self_intersections()).
 [[nodiscard]] Result<geometry::TriangleMesh> simplify_surface(
     const geometry::TriangleMesh& surface, Index triangles, Progress& progress = Progress::none());
 

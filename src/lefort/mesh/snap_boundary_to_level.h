@@ -13,7 +13,8 @@ namespace lefort::mesh {
 ///
 /// \param mesh          one block of kTet4 with positive volumes.
 /// \param is_inside_L   the tissue.
-/// \param reach_mm      largest displacement; a node without a change within it does not move.
+/// \param reach_mm      max displacement; if `is_inside_L` does not change within it, the node does
+///   not move.
 /// \param tolerance_mm  largest distance from the surface after the move.
 /// \returns the number of nodes that did not move all the way.
 Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_L, double reach_mm,

@@ -6,9 +6,9 @@
 
 namespace lefort::mesh {
 
-/// Merges two surfaces. Triangles of one that coincide with triangles of the other of opposite
-/// orientation, at bitwise equal corners, are removed and their corners merged: the caps of a
-/// SurfaceCut (mesh/cut_surface.h). All other triangles are kept, those of `a` first.
+/// Merges two surfaces. If a triangle of `a` and a triangle of `b` have bitwise equal corners and
+/// opposite orientation, as on the caps of a SurfaceCut (mesh/cut_surface.h), both are removed and
+/// their corners merged. All other triangles are kept, those of `a` first.
 ///
 /// \param a, b  closed surfaces.
 /// \returns the surface of both bodies; two components if they do not touch.

@@ -14,7 +14,7 @@ namespace lefort::pipeline {
 struct CompareJob {
   std::filesystem::path face;                      ///< A surface, or the folder of a prediction.
   std::optional<std::filesystem::path> other;      ///< The other face; as `face`.
-  std::optional<std::filesystem::path> after_ct;   ///< Instead of `other`: a scan after surgery.
+  std::optional<std::filesystem::path> after_ct;   ///< Scan after surgery; `other` is not used.
   std::optional<std::filesystem::path> before;     ///< The skin before surgery, for the baseline.
   std::optional<std::filesystem::path> landmarks;  ///< Before surgery; they define the regions.
   std::filesystem::path output;                    ///< A folder; made if missing.
@@ -24,8 +24,13 @@ struct CompareJob {
 /// Measures the distance between two faces, by region; with a scan after surgery also the movement
 /// of each segment.
 ///
-/// \returns the summary; kInvalidArgument if inputs are missing or have no common region; or what
-///   reading and find_surgery() return.
+/// \returns the summary, or
+///   - kInvalidArgument  there is nothing to compare with, `face` is not the folder of a finished
+///     prediction where one is needed, or no point has a counterpart within 20 mm;
+///   - kFileNotFound, kFileUnsupported, kFileCorrupt, kMeshInvalid  from reading the surfaces;
+///   - what find_surgery() returns (pipeline/compare/register_after_surgery.h);
+///   - kFileUnwritable   a result cannot be written;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> compare_faces(const CompareJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

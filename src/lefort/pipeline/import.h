@@ -12,29 +12,49 @@
 namespace lefort::pipeline {
 
 struct ImportJob {
-  std::filesystem::path source;
+  std::filesystem::path source;    ///< A file, a DICOM folder, or the address of a study.
   std::filesystem::path output;    ///< .nrrd, .nii.gz or .mha.
   int series = 0;                  ///< Of a DICOM folder or study; 0: the only CT.
   std::string user{}, password{};  ///< Of a DICOMweb server, unless they are in its address.
 };
 
 /// Reads a scan in any format; writes a volume in HU and frame L.
+///
+/// \returns the summary, or
+///   - kFileNotFound      the source does not exist;
+///   - kFileUnsupported   its format, dimensions or modality are not supported;
+///   - kFileCorrupt       it is truncated or damaged, slices are missing, or the grid is invalid;
+///   - kInvalidArgument   several series and none chosen, or another ending of the output;
+///   - kAccessDenied, kConnectionFailed  from io::read_dicomweb();
+///   - kFileUnwritable    the volume cannot be written;
+///   - kCancelled         `progress` requested a stop.
 [[nodiscard]] Result<Summary> import_scan(const ImportJob& job, Progress& progress);
 
 /// Lists the series of a DICOM folder or study. The output of the job is not used.
+///
+/// \returns the list as text and JSON, or the errors of import_scan() except kFileUnwritable.
 [[nodiscard]] Result<Summary> list_scans(const ImportJob& job, Progress& progress);
 
-/// How the synthetic head is scanned: axial slices; with gantry tilt; names of files not
-/// in the order of slices; oblique to the axes of the patient; feet first.
-enum class PhantomVariant { kPlain, kTilted, kShuffled, kOblique, kFeetFirst };
+/// How the synthetic head is scanned.
+enum class PhantomVariant {
+  kPlain,     ///< Axial slices.
+  kTilted,    ///< With gantry tilt.
+  kShuffled,  ///< The names of files are not in the order of slices.
+  kOblique,   ///< Slices oblique to the axes of the patient.
+  kFeetFirst  ///< The patient lies with the feet towards the gantry.
+};
+
 struct PhantomJob {
   std::filesystem::path output;  ///< A folder; made if missing.
   PhantomVariant variant = PhantomVariant::kPlain;
-  double voxel_mm = 1.4;
-  double noise_hu = 12.0;  ///< Standard deviation.
+  double voxel_mm = 1.4;   ///< Edge of a voxel; > 0.
+  double noise_hu = 12.0;  ///< Standard deviation of the noise of the scan.
 };
 
 /// Writes DICOM files of a synthetic head (anatomy/synthetic_head.h), and its true labels.
+///
+/// \returns the summary; kFileUnwritable if `output`/dicom is not empty or a file cannot be
+///   written; or kCancelled.
 [[nodiscard]] Result<Summary> make_phantom(const PhantomJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

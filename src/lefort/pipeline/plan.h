@@ -16,11 +16,19 @@ struct LandmarksJob {
   std::filesystem::path before;                 ///< .mrk.json or .csv.
   std::optional<std::filesystem::path> after;   ///< As `before`.
   std::optional<std::filesystem::path> output;  ///< .csv: the measurements.
-  /// .mrk.json or .csv: a copy of the landmarks of `after`, else of `before`.
+  /// .mrk.json or .csv: a copy of the landmarks of `after`; without `after`, of `before`.
   std::optional<std::filesystem::path> save;
 };
 
 /// Measures angles [degrees] and distances [mm] between landmarks.
+///
+/// \returns the summary, or
+///   - kInvalidArgument  `output` does not end in .csv;
+///   - kFileNotFound     a file of landmarks does not exist;
+///   - kFileUnsupported  another ending, or lengths in an unknown unit;
+///   - kFileCorrupt      a file is not of its format, or a name is missing or repeated;
+///   - kPlanInvalid      right and left landmarks are exchanged;
+///   - kFileUnwritable   an output cannot be written.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
 struct CheckPlanJob {
@@ -32,12 +40,25 @@ struct CheckPlanJob {
   predict::PlanLimits limits;
   bool pictures = true;
 };
+
 struct PlanCheckSummary {
   Summary summary;
   bool has_findings = false;  ///< Overlap, gap or missing support beyond the limits.
 };
+
 /// Checks the segments at the end of their paths for overlap, gaps and missing support; writes
 /// check.json, surfaces and pictures.
+///
+/// \returns the summary, or
+///   - kFileNotFound     plan, scan or skull does not exist;
+///   - kPlanInvalid      the plan is invalid or names no scan, or as plan::cut_segments();
+///   - kInvalidArgument  an input is one of the files to be written, or an option of the cut lies
+///     outside its range;
+///   - kFileUnsupported, kFileCorrupt, kAnatomyMissing  from reading the scan and its labels, and
+///     from anatomy::segment_tissue();
+///   - kMeshInvalid, kCutMissesBone, kMeshingFailed  from plan::cut_segments();
+///   - kFileUnwritable   a file in the folder is not of an earlier check, or cannot be written;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct CutJob {
@@ -49,6 +70,8 @@ struct CutJob {
 
 /// Writes the bones of a plan at their scanned pose, with distance fields, so that the planner can
 /// move them. cut.json, which is written last, names the files.
+///
+/// \returns the summary, or the errors of check_plan_file() except that of its inputs.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
 
 struct PreviewJob {
@@ -61,6 +84,12 @@ struct PreviewJob {
 
 /// Writes the linear model of the response of the face to any motion of the segments. preview.json
 /// is written last.
+///
+/// \returns the summary, or
+///   - what io::read_plan_text(), io::read_surface() and prepare_case() return;
+///   - kPlanInvalid     the skin was made with other thresholds or labels than the plan's;
+///   - what predict::make_preview_model() returns;
+///   - kFileUnwritable  a result cannot be written.
 [[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -21,16 +21,22 @@ struct PredictJob {
   /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
   /// (interface_sensitivity.h).
   bool sensitivity = true;
-  /// Called after each converged step; may be empty.
+  /// Called after each converged step with the number of steps of the path; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
-  /// Called after each Newton iteration; may be empty.
+  /// The same after each Newton iteration.
   std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
 
 /// Computes the predicted face of a plan; writes the report and the result files.
 ///
-/// \returns the summary; kPlanInvalid or what reading, prepare_case() and predict_face() return; or
-///   the failure of a path that did not converge.
+/// \returns the summary, or
+///   - kFileNotFound    plan or scan does not exist;
+///   - kPlanInvalid     the plan is invalid or names no scan, or a file that it names was changed
+///     during the run;
+///   - what prepare_case() and predict::predict_face() return;
+///   - kNotConverged    a path was not followed to its end: failure.json has the solver's history;
+///   - kFileUnwritable  a result cannot be written;
+///   - kCancelled       `progress` requested a stop.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -14,7 +14,7 @@
 namespace lefort::pipeline {
 
 struct SegmentJob {
-  std::filesystem::path ct;
+  std::filesystem::path ct;      ///< A scan in any format of io::import_volume().
   std::filesystem::path output;  ///< A folder; made if missing.
   anatomy::SegmentationOptions options;
   mesh::SurfaceFinish finish;
@@ -22,7 +22,17 @@ struct SegmentJob {
   std::optional<std::filesystem::path> labels;  ///< Used instead of a segmentation.
 };
 
-/// Segments a scan; writes labels.seg.nrrd, skull.vtp and skin.vtp.
+/// Segments a scan; writes labels.seg.nrrd, skull.vtp and skin.vtp, in frame L [mm].
+///
+/// \returns the summary, or
+///   - what io::import_volume() returns;
+///   - with `labels`, what io::read_segmentation() returns;
+///   - kAnatomyMissing   the scan is empty or constant, or contains no skin or no bone;
+///   - kInvalidArgument  an option is out of range, or the scan is too large for the memory limit;
+///   - kMeshInvalid      no surface of bone or skin was found;
+///   - kMeshingFailed    the surface could not be simplified;
+///   - kFileUnwritable   a result cannot be written;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -56,7 +56,7 @@ struct CalibrateJob {
 struct PhantomCohortJob {
   std::filesystem::path output;  ///< A folder; created if missing, empty.
   int cases = 10;                ///< >= 1.
-  double voxel_mm = 2.0;         ///< Of the scans.
+  double voxel_mm = 2.0;         ///< Of the scans; > 0.
   double noise_hu = 12.0;        ///< Standard deviation of the noise of the scans.
   double skin_noise_mm = 0.3;    ///< Standard deviation of the measured skin after surgery.
   double element_size_mm = 5.0;  ///< Of the plans.
@@ -66,7 +66,9 @@ struct PhantomCohortJob {
 /// Writes a cohort of synthetic cases: a scan before surgery, a plan, the skin after surgery, and
 /// truth.json with the parameters that the faces were made with.
 ///
-/// \returns the summary, or what prepare_case() and predict_face() return.
+/// \returns the summary, or
+///   - kFileUnwritable  the output is not empty, or a file cannot be written;
+///   - what prepare_case() and predict::predict_face() return, kNotConverged, or kCancelled.
 [[nodiscard]] Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

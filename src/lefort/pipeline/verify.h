@@ -25,18 +25,33 @@ struct ConvergenceJob {
 
 /// Measures the convergence of the Newton residual with each detection method (Figure 5 of the
 /// paper).
+///
+/// \returns the table, or
+///   - kInvalidArgument  a method has another name than those of bench::contact_methods();
+///   - kFileNotFound     a plan has no scan, or the scan does not exist;
+///   - what io::read_plan_text(), prepare_case() and predict::predict_face() return;
+///   - kFileUnwritable   a result cannot be written;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
 
 struct VerifyJob {
   std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
-  bool full = false;
-  std::string only;  ///< Name of one case; empty for all.
+  bool full = false;             ///< All meshes of the report; otherwise those of the test.
+  std::string only;              ///< Name of one case; empty for all.
 };
+
 struct VerifySummary {
   Summary summary;
-  bool passed = false;  ///< Every check.
+  bool passed = false;  ///< Every check, except known failures.
 };
+
 /// Runs the verification suite of the solver, and writes verification.md and its plots.
+///
+/// \returns the summary, whether or not checks failed; or
+///   - kInvalidArgument  there is no case named `only`;
+///   - kFileUnwritable   the folder contains a full report and this run is not full, or a file
+///     cannot be written;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

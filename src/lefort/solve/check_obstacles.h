@@ -30,8 +30,8 @@ using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::Dista
 /// \param distance_queries  as Deck::obstacles.
 /// \returns warnings of obstacles that overlap their faces at rest, or
 ///   - kMeshInvalid      an obstacle is an open surface: it has no inside;
-///   - kInvalidArgument  the contact tolerance of an obstacle, or its overlap with its faces at
-///                       rest, is not less than the maximum distance of its query.
+///   - kInvalidArgument  contact_snap_mm of an obstacle, or its overlap with its faces at rest, is
+///     not less than the maximum distance of its query.
 [[nodiscard]] Result<std::vector<std::string>> check_obstacles(
     const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries);
 

@@ -13,12 +13,12 @@
 
 namespace lefort::solve {
 
-/// Contact terms evaluate states only. An obstacle in front of a body in one state and behind it in
-/// the next touches it in neither, and both are in equilibrium. This check follows each node and
-/// face center on a straight line, relative to the obstacle, from one state to the next. A point
-/// that starts outside the obstacle must not be deeper in it on the way than at the end, by more
-/// than twice the resolution of the distance query. This also rejects an increment in which a point
-/// slides too far around a convex part.
+/// Contact terms evaluate single states. If an obstacle is in front of a body in one state and
+/// behind it in the next, it touches the body in neither, and both states are in equilibrium. This
+/// check follows each node and face center on a straight line, relative to the obstacle, from one
+/// state to the next. For a point that starts outside the obstacle, the depth on the way must not
+/// exceed the depth at the end by more than twice the resolution of the distance query. This also
+/// rejects an increment in which a point slides too far around a convex part.
 class ContinuousContactCheck {
  public:
   /// \param nodes_L   all nodes at rest [mm].

@@ -30,7 +30,7 @@ struct NodesInBox {
 struct NodesOnPlane {
   Vec3 point_L = Vec3::Zero();
   Vec3 normal_L = Vec3::UnitZ();  ///< Unit length.
-  double within_mm = 1e-6;        ///< Distance from the plane, at most.
+  double within_mm = 1e-6;        ///< Max distance from the plane.
 };
 
 /// Nodes by number.
@@ -48,7 +48,7 @@ struct NodesOfRegion {
   std::string region;
 };
 
-/// A set the deck adds to those of the mesh.
+/// A node set that the deck adds to those of the mesh.
 struct SetChoice {
   std::string name;
   std::variant<NodesInBox, NodesOnPlane, NodesByNumber, NodeNearest, NodesOfRegion> nodes;
@@ -56,7 +56,7 @@ struct SetChoice {
 
 /// Material of a region.
 struct RegionLaw {
-  std::string region;  ///< Name or number; empty: all regions without another law.
+  std::string region;  ///< Name or number; empty: all regions without a law of their own.
   fem::Material law;
   double density_t_per_mm3 = 0.0;  ///< >= 0; used by body forces only.
 };
@@ -100,12 +100,12 @@ struct Obstacle {
   std::string name;
   std::string faces;
   geometry::RigidPath path;  ///< One keyframe without motion if stationary.
-  /// k_c; default: stiffness_factor times Young's modulus of the stiffest region behind the faces,
-  /// divided by the mean edge length of the faces.
+  /// Penalty stiffness k_c; default: stiffness_factor times Young's modulus of the stiffest region
+  /// behind the faces, divided by the mean edge length of the faces.
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
-  double contact_snap_mm =
-      0.0;  ///< Contact tolerance: faces within this distance at rest touch it.
+  /// Contact snap distance: points of faces within this distance at rest count as being in contact.
+  double contact_snap_mm = 0.0;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm.
@@ -128,7 +128,7 @@ struct Deck {
   std::vector<BodyForce> body_forces;
   std::vector<Obstacle> obstacles;
   std::vector<Probe> probes;
-  std::vector<double> times;  ///< In (0, 1); an increment ends at each.
+  std::vector<double> times;  ///< In (0, 1); an increment ends at each of them.
   fem::LoadStepOptions steps{.first_increment = 0.1, .min_increment = 1e-4};
   fem::NewtonOptions newton;
   linear::LinearSolverOptions linear_solver;

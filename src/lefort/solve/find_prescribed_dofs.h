@@ -33,7 +33,7 @@ struct PrescribedDof {
 /// \param deck             its displacements and motions are used.
 /// \param prescribed_dofs  of find_prescribed_dofs().
 /// \param time             0 to 1.
-/// \returns the displacements at a time, in the order of `prescribed_dofs`.
+/// \returns the displacements [mm] at `time`, in the order of `prescribed_dofs`.
 [[nodiscard]] std::vector<fem::PrescribedDisplacement> prescribed_at(
     const mesh::VolumeMesh& mesh, const Deck& deck, std::span<const PrescribedDof> prescribed_dofs,
     double time);

@@ -21,8 +21,8 @@ namespace lefort::solve {
 /// Adds the deck's sets to the node sets of the mesh. They may refer to sets of the mesh, but not
 /// replace them.
 ///
-/// \returns the mesh; or kPlanInvalid with the name of the set: the name exists, or the set would
-///   be empty.
+/// \returns the mesh; or kPlanInvalid with the name of the set, if this name exists or the set
+///   would be empty.
 [[nodiscard]] Result<mesh::VolumeMesh> add_sets(mesh::VolumeMesh mesh,
                                                 std::span<const SetChoice> sets);
 

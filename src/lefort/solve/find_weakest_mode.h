@@ -18,7 +18,8 @@ struct WeakestMode {
   Vec3 direction = Vec3::Zero();  ///< Of that node; unit length.
 };
 
-/// Inverse iteration with the tangent, shifted until it is positive definite.
+/// Finds the mode by inverse iteration with the tangent, which is shifted until it is positive
+/// definite.
 ///
 /// \param assembler  of the body.
 /// \param u          displacements of all components, admissible.

@@ -23,7 +23,7 @@ struct ProbePlace {
 /// \param at    a node of an element, or a point of the body at rest, in L.
 /// \returns its nodes and weights; or kPlanInvalid: there is no such node, or the point lies in no
 ///   element; the message names the closest node.
-/// \note A point on a face belongs to the element in which it lies deepest; if equal, to the first.
+/// \note A point on a face belongs to the element in which it lies deepest; in a tie, to the first.
 [[nodiscard]] Result<ProbePlace> locate_probe(const mesh::VolumeMesh& mesh,
                                               const std::variant<std::int32_t, Vec3>& at);
 

@@ -21,7 +21,7 @@ struct FaceUse {
   std::int32_t local = 0;               ///< Index in mesh::faces_of() of its shape.
 };
 
-/// Valid for the mesh it was made of. A value.
+/// Valid for the mesh that it was made from.
 struct MeshIndex {
   std::vector<char> is_used;          ///< For each node whether it belongs to an element.
   std::vector<std::int32_t> regions;  ///< That occur, ascending.

@@ -18,10 +18,10 @@
 
 namespace lefort::solve {
 
-/// Times that differ by no more than this are equal.
+/// Times (0 to 1) that differ by at most this count as equal.
 inline constexpr double kSameTime = 1e-9;
 
-/// A deck with its mesh, whose names were found. A value.
+/// A deck and its mesh; names are replaced by nodes, faces and regions.
 struct PreparedDeck {
   mesh::VolumeMesh mesh;  ///< With the deck's sets.
   Deck deck;

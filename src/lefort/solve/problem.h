@@ -25,7 +25,8 @@ namespace lefort::solve {
 
 using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 
-/// Contact by weighted gaps with all obstacles that may touch the same faces.
+/// Contact by weighted gaps with all obstacles that have the same list of faces. Stiffness and
+/// contact snap distance are those of the first of them.
 struct WeightedContact {
   std::vector<std::size_t> obstacles;
   contact::MortarContactTerm term;
@@ -38,6 +39,10 @@ struct WeightedContact {
 /// Force terms of a deck, with loads and obstacle poses that depend on time.
 class Problem {
  public:
+  /// \param prepared          must outlive the problem.
+  /// \param distance_queries  as Deck::obstacles.
+  /// \returns the problem at time 0, or what check_obstacles(), fem::make_element_terms(),
+  ///   DeckLoads::build() and fem::DofMap::build() return.
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
       const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
     LEFORT_TRY_VOID(check_obstacles(prepared, distance_queries));
@@ -49,6 +54,7 @@ class Problem {
                                                 std::move(loads), std::move(dofs)));
   }
 
+  /// Sets loads and obstacle poses to those of `time`, 0 to 1.
   void set_time(double time) {
     loads_.set_time(time);
     for (std::size_t i = 0; i < obstacles_.size(); ++i)
@@ -80,7 +86,8 @@ class Problem {
       length = std::min(length, contact.term.max_step_length(x_L, dx_L));
     return length;
   }
-  /// Active sets of the last equilibrium. The poses are then those of `time`.
+  /// Active sets in the last equilibrium, at the poses of its time. Afterwards the poses are those
+  /// of `time`.
   [[nodiscard]] std::vector<contact::ActiveSet> active_sets(const fem::LoadState& last,
                                                             double time) {
     set_time(last.t);
@@ -100,8 +107,8 @@ class Problem {
   }
   [[nodiscard]] bool has_weighted_contact() const { return !weighted_.empty(); }
 
-  /// \returns an outcome that rejects the start, if an obstacle would pass through faces on the way
-  ///   from the last equilibrium.
+  /// \returns the outcome kInadmissibleStart if an obstacle would pass through faces between the
+  ///   last equilibrium and `start`; nothing otherwise.
   [[nodiscard]] std::optional<fem::NewtonOutcome> passage_at_start(const fem::LoadState& last,
                                                                    const VectorX& start) const {
     for (const WeightedContact& contact : weighted_) {

@@ -24,8 +24,8 @@ struct Increment {
   double time = 0.0;
   VectorX u;                                ///< Displacements of all nodes [mm].
   std::vector<fem::ElementState> elements;  ///< In the order of the blocks.
-  /// Strain energy minus the work of loads that have a potential. The work of pressure on faces
-  /// with a free boundary depends on the path and is not included.
+  /// Strain and contact energy minus the work of loads that have a potential. The work of pressure
+  /// on faces with a free boundary depends on the path and is not included.
   double energy_mj = 0.0;
   double residual_n = 0.0;
   double relative_residual = 0.0;  ///< To the residual reference (fem/assembly/assemble.h).
@@ -66,15 +66,16 @@ struct DeckWatch {
 
 /// Solves a deck.
 ///
-/// \param prepared          a deck whose names were found.
+/// \param prepared          from prepare_deck().
 /// \param distance_queries  as Deck::obstacles.
-/// \param watch             is called as states are found.
+/// \param watch             callbacks.
 /// \param progress          reports the time; may stop the run.
 /// \returns how it ended, or
 ///   - what check_obstacles() returns;
 ///   - what fem::make_element_terms(), fem::traction_forces(), fem::body_forces() and
 ///     fem::FollowerPressure::build() return;
-///   - what `watch.on_increment` returned.
+///   - what `watch.on_increment` or `watch.on_failure` returned.
+/// A run that does not reach time 1 is no error: DeckRun::failure has the reason.
 [[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared,
                                        const ObstacleDistanceQueries& distance_queries,
                                        const DeckWatch& watch = {},

@@ -23,7 +23,8 @@ struct UnconstrainedPart {
   std::string motion;               ///< One of them as text: "move along (0, 0, 1)".
 };
 
-/// Parts connected by common nodes whose prescribed components do not prevent every rigid motion.
+/// Finds the parts, connected by common nodes, whose prescribed components do not prevent every
+/// rigid motion.
 ///
 /// \param mesh        nodes of elements exist.
 /// \param prescribed  displacements of nodes.

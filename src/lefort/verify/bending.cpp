@@ -129,10 +129,10 @@ Section bending_section() {
           .text = fmt::format(
               "A beam of {} x {} x {} mm, E = {} MPa, nu = {}, decoupled law, with a small dead "
               "load across its free end. Expected: F L^3 / (3 E I) + F L / (k G A) with k = 10 (1 "
-              "+ nu) / (12 + 11 nu) (Cowper, The shear coefficient in Timoshenko's beam theory, J. "
-              "Appl. Mech. 1966). Cells are twice as long as high. Linear shapes are known to be "
-              "too stiff in bending; this error must decrease with the square of the cell size. "
-              "For quadratic shapes, a single layer must be correct within a tenth.",
+              "+ nu) / (12 + 11 nu) (Cowper, The shear coefficient in Timoshenko's beam theory, "
+              "J. Appl. Mech. 1966). Cells are twice as long as high. Linear shapes are known to "
+              "be too stiff in bending; this error must decrease with the square of the cell "
+              "size. For quadratic shapes, the error of a single layer must be at most a tenth.",
               kBeamLength_mm, kSide_mm, kSide_mm, kYoung_mpa, kBeamPoisson)};
 }
 

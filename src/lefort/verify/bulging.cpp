@@ -92,7 +92,7 @@ Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
   return outcome;
 }
 
-/// Corners of a mesh with `cells` a side, and the volume of each by the trapezoidal rule: weights
+/// Corners of a mesh with `cells` per side, and the volume of each by the trapezoidal rule: weights
 /// of an L2 norm.
 struct Corners {
   std::vector<Vec3> at;
@@ -230,18 +230,18 @@ Section verify_bulging(Extent extent, Progress& progress) {
       .name = "bulging",
       .title = "Nearly incompressible block between sticking plates",
       .text = fmt::format(
-          "A cube of 2 mm (an eighth is meshed), nu = {}, is compressed between plates to which it "
-          "sticks; its sides bulge. There is no closed form. Reported are the force on a plate and "
-          "the displacement of the center of a side, over {:.6f} N and {:.6f} mm at {}, {:.5f} N "
-          "and {:.5f} mm at {}, on which seven shapes agree: the columns of limits show how "
-          "closely. Stress is singular at the edges of the plates, where the displacement of an "
-          "incompressible body varies as the distance to the power 0.595 (Williams 1952): regular "
-          "meshes cannot have an order above 1.19. Cells are therefore graded with the power {} of "
-          "the distance to the edges, with which strains have order 1 (Babuska, Kellogg and "
-          "Pitkaranta 1979). Force and bulge contain errors of both signs, which may cancel; the "
-          "order is that of the displacement in the L2 norm, between one mesh and the next at the "
-          "corners common to all three. It must be at least 2 for every shape; hex20 with its "
-          "linear pressure may have more.",
+          "A cube of 2 mm (an eighth is meshed), nu = {}, is compressed between plates to which "
+          "it sticks; its sides bulge. There is no closed form. The report has the force on a "
+          "plate and the displacement of the center of a side, over {:.6f} N and {:.6f} mm at {}, "
+          "{:.5f} N and {:.5f} mm at {}. These are the values on which seven shapes agree; the "
+          "columns of limits show how closely. Stress is singular at the edges of the plates, "
+          "where the displacement of an incompressible body varies as the distance to the power "
+          "0.595 (Williams 1952). On regular meshes the order is therefore at most 1.19. Cells "
+          "are graded with the power {} of the distance to the edges, for which the "
+          "strains converge with order 1 (Babuska, Kellogg and Pitkaranta 1979). Force and bulge "
+          "contain errors of both signs, which may cancel; the order is that of the displacement "
+          "in the L2 norm, between one mesh and the next at the corners common to all three. It "
+          "must be at least 2 for every shape; hex20 with its linear pressure may have more.",
           kBulgePoisson, kLoads[0].force_n, kLoads[0].bulge_mm, kLoads[0].name, kLoads[1].force_n,
           kLoads[1].bulge_mm, kLoads[1].name, kBulgeGrading)};
   const auto loads = std::span(kLoads).first(extent == Extent::kFull ? kLoads.size() : 1);

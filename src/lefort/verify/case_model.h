@@ -19,7 +19,8 @@
 
 namespace lefort::verify {
 
-/// Material of most cases: isochoric neo-Hookean with VolumetricForm::kQuadraticLog.
+/// Material of most cases: the decoupled neo-Hookean law with VolumetricForm::kQuadraticLog; mu and
+/// kappa are the shear and bulk modulus at small strain.
 [[nodiscard]] fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa);
 
 /// An additional force term that depends on the load fraction.
@@ -41,8 +42,8 @@ struct CaseModel {
 struct SolveOptions {
   int increments = 1;                 ///< Initial number; a failed increment is halved.
   double relative_tolerance = 1e-10;  ///< Of Newton's method.
-  double absolute_tolerance_n =
-      0.0;  ///< Of Newton's method; for a single element without opposing forces.
+  /// Of Newton's method; for a single element, in which no forces cancel.
+  double absolute_tolerance_n = 0.0;
   /// Called at each equilibrium; may be empty.
   std::function<void(double fraction, const VectorX& u)> on_increment = {};
 };
@@ -61,11 +62,11 @@ struct Equilibrium {
 [[nodiscard]] Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options,
                                         Progress& progress);
 
-/// Displacements proportional to the load fraction.
+/// Returns a function of the load fraction: displacements proportional to it.
 [[nodiscard]] std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(
     std::vector<fem::PrescribedDisplacement> at_full_load);
 
-/// Prescribes one component of `nodes`.
+/// Appends a prescribed displacement of one component of `nodes` to `prescribed`.
 void prescribe(const std::vector<std::int32_t>& nodes, int component, double displacement_mm,
                std::vector<fem::PrescribedDisplacement>& prescribed);
 

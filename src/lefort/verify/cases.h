@@ -1,5 +1,6 @@
 /// \file
-/// The cases, one .cpp each.
+/// The cases, one .cpp each. Each function returns the section of its case, whose checks may have
+/// failed; `progress` may stop it.
 #pragma once
 
 #include <lefort/verify/run_suite.h>

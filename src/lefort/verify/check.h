@@ -24,8 +24,8 @@ struct Check {
   std::string unit = "";    ///< Empty for ratios, orders and counts.
   std::string reason = "";  ///< Source of the tolerance.
   std::string note = "";    ///< Why it could not be measured.
-  std::string known_failure =
-      "";  ///< Reason of a known failure, reported as missed. Empty: must pass.
+  /// Reason of a known failure, which is reported as missed. Empty: the check must pass.
+  std::string known_failure = "";
 
   [[nodiscard]] bool passed() const {
     switch (comparison) {

@@ -1,6 +1,7 @@
 /// \file
-/// Compares a quantity computed on meshes that halve with its reference: the order of its error
-/// with theory, and its finest value with the exact one within the error that the order predicts.
+/// Compares a quantity, computed on meshes whose element size halves, with its reference: the order
+/// of its error with that of theory, and its value on the finest mesh with the exact value. The
+/// tolerance of the second comparison is the error that the order predicts.
 #pragma once
 
 #include <lefort/verify/check.h>
@@ -22,8 +23,8 @@ struct Known {
   std::string known_failure = "";  ///< Why both checks are known to fail; or empty.
 };
 
-/// Adds two checks: "NAME: order", or "NAME: spread" (at most 1 %) if the values alternate and have
-/// no order, and "NAME: difference over the predicted one".
+/// Adds two checks: "NAME: order" and "NAME: difference over the predicted one". If the values
+/// alternate they have no order; the first check is then "NAME: spread" (at most 1 %).
 ///
 /// \param name     of the quantity.
 /// \param values   three or more, coarse to fine; the last three count.
@@ -32,7 +33,8 @@ struct Known {
 void check_convergence_order(const std::string& name, std::span<const double> values,
                              const Known& known, Section& section);
 
-/// Adds only the second check, by an order measured in a norm (predicted_error()).
+/// Adds only the second check. Its predicted error has an order that was measured in a norm
+/// (predicted_error()).
 ///
 /// \param name        of the quantity.
 /// \param values      from three meshes, coarse to fine.
@@ -42,10 +44,10 @@ void check_convergence_order(const std::string& name, std::span<const double> va
 void check_difference(const std::string& name, const std::array<double, 3>& values,
                       double norm_order, const Known& known, Section& section);
 
-/// Adds checks of errors with respect to an exact solution: "NAME: order of the error", of the last
-/// two; and for three or more, "NAME: error over the predicted one". The predicted error is the
-/// last but one, reduced by the order between the two before the last (at most that of theory),
-/// times Roache's 1.25.
+/// Adds checks of errors with respect to an exact solution: "NAME: order of the error", from the
+/// last two errors; with three or more also "NAME: error over the predicted one". The predicted
+/// error on the finest mesh is 1.25 (Roache) times e / 2^p, where e is the error on the mesh before
+/// and p the order between the two meshes before the finest, at most that of theory.
 ///
 /// \param name     of the quantity.
 /// \param errors   two or more, > 0, coarse to fine.

@@ -58,7 +58,7 @@ Vec3 body_force(const Law& law, const Waves& waves, const Vec3& X) {
   return -divergence;
 }
 
-/// Error on a mesh with `cells` a side and prescribed displacements on the boundary.
+/// Error on a mesh with `cells` per side and prescribed displacements on the boundary.
 template <class Law>
 Result<ErrorNorms> run(mesh::ElementShape shape, int cells, const Law& law, const Waves& waves,
                        Progress& progress) {
@@ -121,7 +121,7 @@ void measure(const Problem<Law>& problem, const std::vector<int>& cells, Section
   Table table{
       .title = fmt::format("{}: relative errors, and orders between a mesh and the one before",
                            problem.name),
-      .header = {"shape", "cells a side", "L2", "order", "H1", "order"}};
+      .header = {"shape", "cells per side", "L2", "order", "H1", "order"}};
   report::LinePlot plots[2] = {plot(problem.name, 1), plot(problem.name, 2)};
   for (const mesh::ElementShape shape : kAllShapes) {
     report::PlotLine line{.name = text_of(shape)};
@@ -175,14 +175,15 @@ Section verify_convergence(Extent extent, Progress& progress) {
       .text = fmt::format(
           "On a cube of 1 mm the exact displacement is three waves, u_i = 0.03 mm sin(w_i . X + "
           "phase_i), with strains up to about 8 %. It is prescribed on the boundary; inside, the "
-          "body force b = -Div P(F(X)) makes it an equilibrium. The divergence is computed by "
-          "central differences of fourth order, correct to 1e-9; loads and errors are integrated "
-          "with 64 points in every element. When the cells halve, the error of the displacement "
-          "must decrease by 4 for linear and 8 for quadratic shapes, that of its gradient by 2 and "
-          "4 (orders p + 1 and p: Hughes, The Finite Element Method, section 4.1). Once with a "
-          "compressible neo-Hookean law; once with a decoupled one, bulk over shear modulus "
-          "{:.0f}, with the mean dilatation of each shape and with waves across their own "
-          "direction, so that the volume changes only to second order.",
+          "body force b = -Div P(F(X)) acts, so that it is an equilibrium. The divergence is "
+          "computed by central differences of fourth order, correct to 1e-9; loads and errors are "
+          "integrated with 64 points in every element. When the cell size is halved, the error of "
+          "the displacement must decrease by a factor of 4 for linear and 8 for quadratic shapes, "
+          "and that of its gradient by 2 and 4 (orders p + 1 and p: Hughes, The Finite Element "
+          "Method, section 4.1). There are two laws: a compressible neo-Hookean one, and a "
+          "decoupled one with bulk over shear modulus {:.0f} and the mean dilatation of each "
+          "shape. With the second law the waves are transverse, so that the volume changes only "
+          "to second order.",
           kKappa_mpa)};
   std::vector<int> cells{2, 4, 8};
   if (extent == Extent::kFull) cells.push_back(16);
@@ -196,7 +197,7 @@ Section verify_convergence(Extent extent, Progress& progress) {
           cells, section, progress);
   measure(
       Problem<fem::DecoupledLaw<fem::IsochoricNeoHookean>>{
-          .name = "split, averaged volume",
+          .name = "decoupled, averaged volume",
           .law = {.isochoric = {.mu_mpa = 1.0},
                   .volume = {.form = fem::VolumetricForm::kQuadratic, .kappa_mpa = kKappa_mpa}},
           .waves = Waves(true),

@@ -61,8 +61,8 @@ void check_rises(const std::string& name, const Rises& found, Section& section) 
   const double coarser = double(kRequiredCells) / finest;
   section.checks.push_back(
       {.name = finest == kRequiredCells
-                   ? fmt::format("{}: error with {} cells a side", name, kRequiredCells)
-                   : fmt::format("{}: error that the measured order predicts for {} cells a side",
+                   ? fmt::format("{}: error with {} cells per side", name, kRequiredCells)
+                   : fmt::format("{}: error that the measured order predicts for {} cells per side",
                                  name, kRequiredCells),
        .measured = error / std::pow(coarser, order),
        .comparison = Comparison::kAtMost,
@@ -136,19 +136,18 @@ Section verify_cook(Extent extent, Progress& progress) {
       .name = "cook",
       .title = "No locking: Cook's membrane",
       .text = fmt::format(
-          "A tapered panel, 48 mm long, 44 mm high where it is clamped and 16 mm at its end (Cook, "
-          "Improved two-dimensional finite element, J. Struct. Div. ASCE 1974), in plane strain: "
-          "one layer of elements, fixed across it. nu = 0.4999, bulk modulus 5000 times the shear "
-          "modulus, decoupled neo-Hookean law (Simo and Armero 1992); a dead load of 6.25 MPa on "
-          "the "
-          "end shears it at finite strain. Reported is the relative error of the rise of the upper "
-          "corner of the end, with mean dilatation (the remedy of every shape) and with full "
-          "integration. The reference, {} mm, comes from a different program: "
-          "Taylor-Hood elements, 6.90927, 6.92736, 6.93111 and 6.93187 mm on 4, 8, 16 and 32 "
-          "cells. Cells are divided along their shorter diagonal; in the full form also along the "
-          "longer one, which makes slender elements.",
+          "A tapered panel, 48 mm long, 44 mm high where it is clamped and 16 mm at its end "
+          "(Cook, Improved two-dimensional finite element, J. Struct. Div. ASCE 1974), in plane "
+          "strain: one layer of elements, fixed across it. nu = 0.4999, bulk modulus 5000 times "
+          "the shear modulus, decoupled neo-Hookean law (Simo and Armero 1992); a dead load of "
+          "6.25 MPa on the end shears it at finite strain. The report has the relative error of "
+          "the rise of the upper corner of the end, with mean dilatation (the method of each "
+          "shape) and with full integration. The reference, {} mm, comes from a different "
+          "program: Taylor-Hood elements, 6.90927, 6.92736, 6.93111 and 6.93187 mm on 4, 8, 16 "
+          "and 32 cells. Cells are divided along their shorter diagonal; in the full form also "
+          "along the longer one, which makes slender elements.",
           kCookTipRise_mm)};
-  Table table{.title = "Error of the rise, by cells a side", .header = {"shape", "volume"}};
+  Table table{.title = "Error of the rise, by cells per side", .header = {"shape", "volume"}};
   for (const int n : kColumns) table.header.push_back(fmt::format("{0} x {0}", n));
   report::LinePlot plot{.title = "Cook's membrane: error of the corner's rise",
                         .x_label = "refinement: log2 of the cells along a side",

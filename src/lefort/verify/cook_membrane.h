@@ -31,17 +31,17 @@ namespace lefort::verify {
 /// Reference rise of the corner (48, 60) [mm].
 ///
 /// Taylor-Hood elements (quadratic displacement, continuous linear pressure, independent of this
-/// program) give 6.90927, 6.92736, 6.93111 and 6.93187 on 4, 8, 16 and 32 cells a side; the limit
-/// by Richardson.
+/// program) give 6.90927, 6.92736, 6.93111 and 6.93187 on 4, 8, 16 and 32 cells per side; this is
+/// their limit by Richardson extrapolation.
 inline constexpr double kCookTipRise_mm = 6.932;
 
 struct CookMembrane {
   mesh::VolumeMesh mesh;
   std::vector<fem::PrescribedDisplacement> prescribed;
   std::vector<fem::NodalForce> forces;  ///< At full load.
-  std::int32_t tip =
-      0;  ///< The node on the corner (48, 60) at z > 0; if cells are divided, the one
-          ///< with the smaller rise.
+  /// The node at the corner (48, 60) with z > 0. If cells are divided, the two nodes of this corner
+  /// rise differently; this one rises less.
+  std::int32_t tip = 0;
 };
 
 /// Diagonal along which cells are divided into wedges or tetrahedra. Along the longer one elements

@@ -297,7 +297,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
                         .x_label = "distance from the axis [mm]",
                         .y_label = "pressure [MPa]",
                         .lines = {hertz_pressure()}};
-  Table table{.title = "Force and radius of contact over Hertz's, by cells a side",
+  Table table{.title = "Force and radius of contact over Hertz's, by cells per side",
               .header = {"shape", "cells", "points in contact", "force", "radius"}};
   for (const Series& series : all_series(extent))
     check_hertz(series, indent_all(series, *sphere_B, table, plot, progress), extent, section);

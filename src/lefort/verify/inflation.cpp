@@ -208,16 +208,16 @@ Section inflation_section() {
       .title = "Thick-walled cylinder and sphere under inner pressure",
       .text = fmt::format(
           "Radii 1 and 2 mm, incompressible neo-Hookean (here bulk over shear modulus {:.0g}). A "
-          "follower pressure inflates the wall from inside until the inner radius has grown by "
-          "30 %. A quarter of the tube in plane strain and an octant of the sphere are meshed, "
-          "with curved faces and elements if the shape allows. The pressure for that radius is "
-          "known (Green and Zerna, Theoretical Elasticity, chapter 3): {:.6f} MPa and {:.6f} MPa. "
-          "So that the compressibility of the wall does not hide the order, the reference radius "
-          "comes from the radial equation of equilibrium by Runge and Kutta's method, which is "
-          "compared with the closed form. Reported is the error of the inner radius as a fraction "
-          "of its growth. Expected orders: 3 for hex20, 2 for all others, because tet10 and "
-          "wedge15 have one pressure per element. The error on the finest mesh must be what the "
-          "order between the two before predicts.",
+          "follower pressure inflates the wall from inside until the inner radius has grown by 30 "
+          "%. A quarter of the tube in plane strain and an octant of the sphere are meshed, with "
+          "curved faces and elements if the shape allows. The pressure for that radius is known "
+          "(Green and Zerna, Theoretical Elasticity, chapter 3): {:.6f} MPa and {:.6f} MPa. The "
+          "compressibility of the wall would hide the order. The reference radius is therefore "
+          "computed for the compressible law, from the radial equation of equilibrium by Runge "
+          "and Kutta's method, and compared with the closed form. The report has the error of the "
+          "inner radius as a fraction of its growth. Expected orders: 3 for hex20, 2 for all "
+          "others, because tet10 and wedge15 have one pressure per element. The error on the "
+          "finest mesh must be that predicted from the two meshes before it.",
           kShellKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
 }
 

@@ -163,13 +163,13 @@ Section laws_section() {
           .title = "Material laws against closed forms",
           .text = fmt::format(
               "One cubic hexahedron (hex8) of every law is stretched along x with free sides, "
-              "stretched along x and y with a free third direction, and sheared (y' = y + gamma x, "
-              "all nodes prescribed). The force on its side x = 1 mm is the nominal stress. "
-              "Expected: the law implemented a second time in principal stretches (Ogden, "
-              "Non-Linear Elastic Deformations, chapter 7), with the free stretch found by "
-              "bisection; simple shear of anisotropic laws by hand from W(gamma). Decoupled laws "
-              "have the bulk modulus {} MPa; shear moduli are about 1 MPa. The difference from the "
-              "incompressible closed form is reported, too.",
+              "stretched along x and y with a free third direction, and sheared (y' = y + gamma "
+              "x, all nodes prescribed). The force on its side x = 1 mm is the nominal stress. "
+              "The expected values come from a second implementation of the law in principal "
+              "stretches (Ogden, Non-Linear Elastic Deformations, chapter 7), with the free "
+              "stretch found by bisection. For simple shear of anisotropic laws, W(gamma) was "
+              "derived by hand. Decoupled laws have the bulk modulus {} MPa; shear moduli are "
+              "about 1 MPa. The difference from the incompressible closed form is reported, too.",
               kLawKappa_mpa)};
 }
 

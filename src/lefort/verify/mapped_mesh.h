@@ -10,21 +10,22 @@
 
 namespace lefort::verify {
 
-/// Mesh with all nodes moved by `map`; sets stay. Mid-side nodes move too, so that quadratic
-/// elements become curved.
-/// \pre `map` keeps orientation.
+/// The mesh with all nodes moved by `map`, and with its sets. Mid-side nodes move too, so that
+/// quadratic elements become curved.
+/// \pre `map` preserves orientation.
 [[nodiscard]] mesh::VolumeMesh mapped(mesh::VolumeMesh mesh,
                                       const std::function<Vec3(const Vec3&)>& map);
 
-/// Merges nodes within a millionth of a mm. Face sets are joined by name; node sets are dropped.
+/// One mesh of all parts; nodes closer than 1e-6 mm are merged. Face sets of the same name are
+/// united; node sets are dropped.
 [[nodiscard]] mesh::VolumeMesh welded(const std::vector<mesh::VolumeMesh>& parts);
 
 /// Position of the i-th corner, 0 to `cells`, as a fraction of the side: 1 - (1 - i / cells)^g.
 /// \param grading  g >= 1; 1 is regular.
 [[nodiscard]] double graded_corner(int i, int cells, double grading);
 
-/// A cube from the origin with `cells` a side, smaller towards its sides x1, y1 and z1 by
-/// graded_corner(). Edges stay straight; sets are those of make_box().
+/// A cube with a corner at the origin and `cells` per side. Towards its sides x1, y1 and z1 the
+/// cells become smaller by graded_corner(). Edges are straight; sets are those of make_box().
 [[nodiscard]] mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm,
                                            double grading);
 

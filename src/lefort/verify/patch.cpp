@@ -24,7 +24,7 @@ struct Patch {
   mesh::VolumeMesh mesh;
 };
 
-/// Cubes of 1 mm with 3 or 4 cells a side and displaced inner corners.
+/// Cubes of 1 mm with 3 or 4 cells per side and displaced inner corners.
 std::vector<Patch> patches() {
   std::vector<Patch> all;
   const auto add = [&](std::string name, mesh::VolumeMesh mesh, int cells) {
@@ -87,16 +87,14 @@ Section verify_patch(Extent /*extent*/, Progress& progress) {
       .name = "patch",
       .title = "Patch tests",
       .text =
-          "The boundary of a cube of 3 (mixed: 3 or 4) cells a side moves by one "
-          "affine map, with strains "
-          "up to 30 %, shear and rotation. For any elements inside and any distortion (inner nodes "
-          "moved by up to 15 % of a cell), the inner nodes must follow the map and the stress must "
-          "be the same everywhere (Hughes, The Finite Element Method, section 3.9; here at "
-          "finite strain). Once with a compressible neo-Hookean law, once with a decoupled one, "
-          "bulk over shear modulus 100, with the mean dilatation of each shape. Scales: the "
-          "largest displacement, "
-          "the norm of the "
-          "true stress."};
+          "The boundary of a cube of 3 (mixed: 3 or 4) cells per side moves by one affine map, "
+          "with strains up to 30 %, shear and rotation. Inner nodes are first displaced by up to "
+          "15 % of a cell. For all elements and any distortion, the inner nodes must follow the "
+          "map and the stress must be uniform (Hughes, The Finite Element Method, section 3.9; "
+          "here at finite strain). There are two laws: a compressible neo-Hookean one, and a "
+          "decoupled one with bulk modulus 100 times the shear modulus and the mean dilatation of "
+          "each shape. Errors are relative to the largest displacement and to the norm of the "
+          "Cauchy stress."};
   const fem::Material compressible = fem::NeoHookean{.mu_mpa = 0.7, .lambda_mpa = 1.3};
   const fem::Material decoupled = split_neo_hookean(0.7, 70.0);
   Table table{.title = "Largest errors, relative",
@@ -105,7 +103,7 @@ Section verify_patch(Extent /*extent*/, Progress& progress) {
   double done = 0.0;
   for (const Patch& patch : all) {
     for (const bool is_decoupled : {false, true}) {
-      const char* const law = is_decoupled ? "split, averaged volume" : "neo-Hookean";
+      const char* const law = is_decoupled ? "decoupled, averaged volume" : "neo-Hookean";
       const std::string name = fmt::format("{}, {}", patch.name, law);
       const auto errors =
           run(patch.mesh, is_decoupled ? decoupled : compressible, affine_F(), progress);

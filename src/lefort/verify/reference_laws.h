@@ -29,7 +29,7 @@ struct FreeStretch {
   double lateral = 1.0;  ///< Stretch in the free direction.
 };
 
-/// Stretched along x only; y and z are free and contract equally.
+/// Stretched along x; y and z are free and contract equally.
 [[nodiscard]] FreeStretch uniaxial(const fem::Material& law, double stretch);
 
 /// Stretched equally along x and y; z is free.

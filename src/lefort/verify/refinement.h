@@ -1,10 +1,10 @@
 /// \file
-/// Estimates the error on the finest of three meshes that halve: the tolerance of a comparison with
-/// a known value must come from the values themselves.
+/// Estimates the error on the finest of three meshes whose element size halves. The tolerance of a
+/// comparison with a known value is then derived from the values themselves.
 ///
 /// With v(h) = limit + C h^p the values v0, v1, v2 on meshes of sizes h, h/2, h/4 give
-/// p = log2((v1 - v0) / (v2 - v1)), and of v2 the error |v2 - v1| / (2^p - 1). Roache's grid
-/// convergence index takes 1.25 times that where p was measured (\cite roache1994). If the values
+/// p = log2((v1 - v0) / (v2 - v1)). The error of v2 is |v2 - v1| / (2^p - 1). Roache's grid
+/// convergence index is 1.25 times that if p was measured (\cite roache1994). If the values
 /// alternate there is no order, and their spread is used as the error.
 ///
 /// A number that sums errors of both signs has no reliable order, because they may cancel. The
@@ -39,8 +39,8 @@ struct Refinement {
   return {.order = order, .error = ratio > 0.0 ? kRefinementSafety * std::abs(last) / ratio : NAN};
 }
 
-/// Error of the last value, >= 0, with the factor of safety, by a given order: from the larger of
-/// the last difference and the one predicted by the difference before.
+/// Error of the last value, >= 0, with the factor of safety, for a given order. It is computed from
+/// the last difference, or from the one that the difference before predicts if that is larger.
 ///
 /// \param values  from meshes that halve, coarse to fine.
 /// \param order   measured elsewhere.

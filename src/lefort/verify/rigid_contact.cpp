@@ -180,9 +180,9 @@ Section verify_punch(Extent extent, Progress& progress) {
       .name = "punch",
       .title = "Flat punch",
       .text =
-          "A rigid box of 8 x 8 mm with sharp edges is pressed 1 mm flat into a soft block (nu "
-          "= 0.475), with the smooth field and the contact term of the product. There is no closed "
-          "form. Newton must not oscillate, the force must increase with depth, and it must be "
+          "A rigid box of 8 x 8 mm with sharp edges is pressed 1 mm flat into a soft block (nu = "
+          "0.475), with the smooth field and the contact term of lefort. There is no closed form. "
+          "Newton's method must not oscillate, the force must increase with depth, and it must be "
           "vertical, because the problem is symmetric."};
   const Vec3 middle(0.5 * kBlock_mm[0], 0.5 * kBlock_mm[1], kBlock_mm[2]);
   const auto followed = press(

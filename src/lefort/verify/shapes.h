@@ -23,10 +23,10 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
              : 1;
 }
 
-/// Order of the displacement in the L2 norm with mean dilatation: p + 1 if the pressure has at
-/// least degree p - 1. The volume change of tet10 and wedge15 is a mean over the element
-/// (fem/locking/volumetric_integration.h) and their pressure a constant, which costs one order
-/// (\cite boffi2013).
+/// Order of the displacement in the L2 norm with mean dilatation. It is p + 1, with the degree p of
+/// the displacement, if the pressure has at least degree p - 1. tet10 and wedge15 have p = 2 and a
+/// constant pressure (fem/locking/volumetric_integration.h), which reduces the order by one (\cite
+/// boffi2013).
 [[nodiscard]] constexpr double averaged_order(mesh::ElementShape shape) {
   return shape == mesh::ElementShape::kHex20 ? 3.0 : 2.0;
 }

@@ -203,12 +203,12 @@ Section torsion_section() {
           "A circular column, {} mm long and {} mm in radius, of an incompressible neo-Hookean "
           "material (bulk over shear modulus {:.0g}) is twisted by {} rad/mm between ends at a "
           "fixed distance. Rivlin (Large elastic deformations of isotropic materials VI, 1949) "
-          "showed that every section rotates rigidly, for any twist; the ends need the torque "
-          "pi mu tau a^4 / 2 = {:.5f} N mm and the axial force -pi mu tau^2 a^4 / 4 = {:.5f} N, "
-          "which does not occur in linear theory. Expected orders: of the displacement in the "
-          "L2 norm 3 for hex20, 2 for all others; of the torque 2; of the axial force 1.595, "
-          "since the stretch by which it does work is singular at the edges of the fixed ends, "
-          "with strains of order 0.595.",
+          "showed that every section rotates rigidly, for any twist; the ends need the torque pi "
+          "mu tau a^4 / 2 = {:.5f} N mm and the axial force -pi mu tau^2 a^4 / 4 = {:.5f} N, "
+          "which does not occur in linear theory. Expected orders: of the displacement in the L2 "
+          "norm 3 for hex20, 2 for all others; of the torque 2; of the axial force 1.595, since "
+          "the axial stretch, on which this force does work, is singular at the edges of the "
+          "fixed ends, where strains have order 0.595.",
           kColumnLength_mm, kColumnRadius_mm, kColumnKappa_mpa, kTwist_rad_per_mm,
           wanted.torque_nmm, wanted.axial_n)};
 }

@@ -17,8 +17,8 @@ struct ReportFile {
 
 /// \param sections  of the cases.
 /// \param command   that made the report; stated in its first paragraph.
-/// \returns verification.md and one verification-CASE-NUMBER.svg per plot. Without time and
-///   machine: the same measurements give the same files.
+/// \returns verification.md and one verification-CASE-NUMBER.svg per plot. They contain neither
+///   time nor machine: the same measurements give the same files.
 [[nodiscard]] std::vector<ReportFile> verification_report(std::span<const Section> sections,
                                                           const std::string& command);
 

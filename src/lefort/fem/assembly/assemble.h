@@ -24,9 +24,10 @@ struct AssembledForces {
   VectorX residual_n;
   /// The part of it from terms that are not conservative [N]; empty if there are none.
   VectorX follower_n = {};
-  /// Residual reference: norm over the free components of the sum of absolute local forces [N], the
-  /// size of what cancels in the residual. Unlike the first residual or the reactions it does not
-  /// depend on how the load is applied. Round-off in the residual is a few 1e-16 of it.
+  /// Residual reference [N]: for each free component the absolute local forces are summed; this is
+  /// the norm of these sums, the size of the forces that cancel in the residual. Unlike the first
+  /// residual or the reactions it does not depend on how the load is applied. The round-off of the
+  /// residual is a few 1e-16 times this.
   double residual_reference_n = 0.0;
   Index contacts = 0;       ///< Points in contact, of all items.
   double deepest_mm = 0.0;  ///< Max penetration increase of these points [mm].
@@ -45,8 +46,7 @@ struct AssembledForces {
 
 /// Assembles the same terms repeatedly; the layout of matrix and sums is computed once.
 ///
-/// \note Items are evaluated in parallel. Every sum is computed by one task in the order of terms
-/// and
+/// \note Items are evaluated in parallel. One task computes each sum, in the order of terms and
 ///   items, so that results are bitwise identical for any number of threads. The memory for local
 ///   matrices does not grow with the number of items.
 class Assembler {

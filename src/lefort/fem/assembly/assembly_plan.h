@@ -1,6 +1,6 @@
 /// \file
-/// Layout of the assembly: the target of each local number of each force term. It is computed once
-/// and used by every assembly.
+/// Layout of the assembly: where each entry of each local vector and matrix is added. It is
+/// computed once and used by every assembly.
 ///
 /// Items are divided into chunks whose local matrices fit into a buffer of the size of the
 /// processor cache. A chunk is first evaluated (each item writes its own part of the buffer), then

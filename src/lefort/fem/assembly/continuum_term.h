@@ -9,8 +9,8 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements and points of c Psi(F) dV, with c < 1 for decoupled laws of elements whose
-/// other part is in a SmoothedStrainTerm; else c = 1.
+/// W = sum over elements and points of c Psi(F) dV. c < 1 for decoupled laws if a
+/// SmoothedStrainTerm has the other part of the energy of the elements; otherwise c = 1.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:

@@ -13,7 +13,7 @@
 namespace lefort::fem {
 
 /// Numbers all components by 3 * node + component, and the free ones in the same order without
-/// gaps. "All" vectors have the length 3 * node_count(), "free" vectors free_count().
+/// gaps. Vectors named `all` have the length 3 * node_count(), those named `free` free_count().
 class DofMap {
  public:
   /// \param node_count  number of nodes.
@@ -32,7 +32,7 @@ class DofMap {
     return free_from_all_[std::size_t(all)];
   }
 
-  /// \returns the free entries of an all vector.
+  /// \returns the entries of `all` at the free components.
   [[nodiscard]] VectorX free_part(const VectorX& all) const;
 
   /// \returns `all` with its free entries replaced by those of `free`.

@@ -18,7 +18,7 @@ template <class Element>
 struct ElementData {
   std::vector<std::int32_t> nodes;                ///< Element::kNodes per element.
   std::vector<ReferenceElement<Element>> points;  ///< One per element.
-  std::vector<Material> materials;                ///< Laws that occur.
+  std::vector<Material> materials;                ///< Each law once.
   std::vector<std::int32_t> material;             ///< Of each element, an index into `materials`.
 
   [[nodiscard]] Index count() const { return Index(points.size()); }

@@ -12,8 +12,8 @@
 
 namespace lefort::fem {
 
-/// Max number of nodes of one local item. The elements around one node of a good tetrahedral mesh
-/// have fifteen to fifty.
+/// Max number of nodes of one local item. In a good tetrahedral mesh the elements around one node
+/// have fifteen to fifty nodes.
 inline constexpr int kMaxLocalNodes = 64;
 
 /// Energy, residual and stiffness of one local item. The solver owns the memory, which is zero on
@@ -22,8 +22,8 @@ struct LocalEquations {
   double energy_mj = 0.0;          ///< W [mJ].
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not needed.
-  /// Kind of the stiffness. For kPsdProjected the exact one is allowed, too. kAntisymmetric occurs
-  /// only if is_conservative() is false.
+  /// Kind of the stiffness that is needed. A term may return the exact one for kPsdProjected.
+  /// kAntisymmetric is needed only if is_conservative() is false.
   Tangent tangent = Tangent::kExact;
   Index contacts = 0;       ///< Points in contact, for the history.
   double deepest_mm = 0.0;  ///< Max penetration increase of these points [mm].
@@ -55,9 +55,8 @@ class ForceTerm {
   /// \param local  receives energy, residual and, if needed, both triangles of the stiffness.
   /// \returns false if x_L is inadmissible (an inverted element, NaN); `local` is then ignored, and
   ///   the solver shortens its step.
-  /// \note Called by many threads at once, millions of times: must not allocate, nor change
-  /// anything
-  ///   that items have in common.
+  /// \note Called by many threads at once, millions of times: it must not allocate memory, and must
+  ///   not change data that items share.
   [[nodiscard]] virtual bool evaluate(Index item, std::span<const Vec3> x_L,
                                       LocalEquations& local) const = 0;
 

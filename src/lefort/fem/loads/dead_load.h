@@ -53,7 +53,7 @@ class DeadLoad final : public ForceTerm {
   /// \param forces   for factor 1; a node may occur more than once. \pre their nodes exist.
   DeadLoad(std::span<const Vec3> nodes_L, std::span<const NodalForce> forces);
 
-  /// Initially 1. Not while the term is being evaluated.
+  /// Factor of all forces, initially 1. Must not be called while the term is being evaluated.
   void set_factor(double factor) { factor_ = factor; }
 
   [[nodiscard]] Index item_count() const override { return Index(nodes_.size()); }

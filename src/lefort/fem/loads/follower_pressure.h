@@ -27,7 +27,7 @@ namespace lefort::fem {
 /// With a free border the force is still right, but is_conservative() is false.
 ///
 /// evaluate() returns the symmetric part of the tangent of a face. If the sum over all faces is
-/// symmetric, the sum of these parts is the exact tangent. That is so for a closed surface, and if
+/// symmetric, the sum of these parts is the exact tangent. This holds for a closed surface, and if
 /// the border is prescribed or slides in a plane. With a free border the antisymmetric parts do not
 /// cancel (newton.h).
 class FollowerPressure final : public ForceTerm {
@@ -39,7 +39,7 @@ class FollowerPressure final : public ForceTerm {
   [[nodiscard]] static Result<std::unique_ptr<FollowerPressure>> build(
       std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces);
 
-  /// Initially 0; positive means compression. Not while the term is being evaluated.
+  /// Initially 0; positive means compression. Must not be called while the term is being evaluated.
   void set_pressure_mpa(double pressure_mpa) { pressure_mpa_ = pressure_mpa; }
 
   [[nodiscard]] Index item_count() const override { return Index(faces_.size()); }

@@ -22,9 +22,9 @@ void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& a
 ///
 /// If the prescribed displacements differ from those in `start`, the free components are first
 /// displaced by the linear response K_ff du_f = -r_f - K_fp du_p of the start, unless the energy is
-/// lower without it. If only the prescribed components moved, adjacent elements could invert. If
-/// elements are inverted all the same, the outcome is kInadmissibleStart, and a smaller increment
-/// is needed (load_steps.h).
+/// lower without it. Without this displacement, elements next to prescribed nodes could invert. If
+/// elements are inverted with it, the outcome is kInadmissibleStart, and a smaller increment is
+/// needed (load_steps.h).
 ///
 /// \param assembler      terms, reference positions, free components.
 /// \param prescribed     exactly the components prescribed in assembler.dofs().

@@ -19,8 +19,8 @@ struct Step {
 ///   W(x + alpha dx) <= W(x) + c alpha r . dx
 ///
 /// or, if the change expected on the right is within the round-off of W, with a decrease of |r|.
-/// The next trial is where the slope, interpolated linearly, vanishes, but between 0.1 and 0.5 of
-/// the last one; after an inadmissible state 0.5 of it.
+/// The next trial alpha is the zero of the linearly interpolated slope, limited to 0.1 to 0.5 times
+/// the last alpha. After an inadmissible state it is 0.5 times the last alpha.
 /// \param dx       direction of descent.
 /// \param options  c = sufficient_decrease; max_backtracks.
 /// \returns the step, or nothing if there was none after max_backtracks.

@@ -25,7 +25,7 @@ struct LoadStepOptions {
   double first_increment = 1.0;       ///< Of t, > 0; shortened to end at the next level.
   double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; a failure at this size is an error.
   double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
-  double growth_factor = 2.0;  ///< Factor of the next increment if the last was easy; >= 1.
+  double growth_factor = 2.0;  ///< Factor of the next increment after an easy one; >= 1.
   int target_iterations = 6;   ///< An increment is easy up to this number of Newton iterations.
   int max_attempts = 1000;     ///< Max number of solves in one advance_to(); >= 1.
 };
@@ -74,10 +74,10 @@ class LoadStepper {
 
   /// Advances to load level `t_end` > state().t.
   ///
-  /// An increment that fails is halved; after an easy one the next is larger; each call begins with
-  /// at least first_increment. The initial guess is extrapolated from the last two converged
-  /// states. If it is inadmissible, stagnates within target_iterations or leads to a rejected
-  /// state, the increment is tried again with the last state as guess.
+  /// An increment that fails is halved. After an easy one the next is larger by growth_factor. The
+  /// first increment of each call is at least first_increment. The initial guess is extrapolated
+  /// from the last two converged states. If it is inadmissible, stagnates within target_iterations
+  /// or leads to a rejected state, the increment is tried again with the last state as guess.
   ///
   /// \param t_end     load level.
   /// \param progress  checked before each increment for a request to stop.

@@ -73,8 +73,8 @@ struct NewtonOptions {
   /// Bound of the round-off of each component of r [N]: converged, too, if the part of r beyond it
   /// satisfies the relative tolerance. Empty: none. For find_equilibrium(): 3 per node.
   VectorX round_off_n = {};
-  /// Whether a start may be accepted because its r is nearly all round-off. False if a load acts: a
-  /// step is then tried first.
+  /// Whether the start may be accepted if its r is mostly round-off. Set to false if a load acts:
+  /// at least one step is then tried.
   bool may_start_at_rest = true;
   int max_iterations = 30;  ///< Max number of steps; >= 1.
   int max_backtracks = 20;  ///< Max number of contractions, or expansions, of one step; >= 0.
@@ -86,9 +86,9 @@ struct NewtonOptions {
   double min_linear_tolerance = 1e-10;
   /// Largest tau that is tried, >= 0. A larger one would in effect replace K+ by its diagonal.
   double max_diagonal_shift = 1e3;
-  /// Largest fraction, in (0, 1], of a step dx from x that no contact forbids (\cite li2020,
-  /// section 4.4: a step that would cross a surface is cut short); empty: 1. For
-  /// find_equilibrium(): of all components.
+  /// Returns the largest allowed fraction, in (0, 1], of a step dx from x: a step ends before it
+  /// crosses a surface (\cite li2020, section 4.4). Empty: 1. For find_equilibrium() x and dx have
+  /// all components.
   std::function<double(const VectorX& x, const VectorX& dx)> max_step_length{};
   /// Called at the start of each phase, on the calling thread; may be empty.
   std::function<void(SolvePhase)> on_phase{};

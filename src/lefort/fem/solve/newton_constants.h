@@ -1,6 +1,6 @@
 /// \file
 /// Constants of solve_newton(), with their sources. What a user may change is in NewtonOptions.
-/// Values without a source are ours; the test named is in tests/fem/test_newton.cpp.
+/// Values without a source are ours; the tests named here are in tests/fem/test_newton.cpp.
 #pragma once
 
 namespace lefort::fem::internal {
@@ -9,7 +9,7 @@ namespace lefort::fem::internal {
 
 /// First tau; the algorithm calls it beta and has the same value.
 inline constexpr double kFirstShift = 1e-3;
-/// Factor from one tau to the next. The algorithm has 2 and allows for more, since every trial
+/// Factor from one tau to the next. The algorithm uses 2 and permits larger factors; each trial
 /// costs a factorization.
 inline constexpr double kShiftGrowth = 4.0;
 /// Diagonal entries below this fraction of their mean are raised to it before they are scaled.

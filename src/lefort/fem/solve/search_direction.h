@@ -17,7 +17,7 @@ struct SearchDirection {
   std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, if there is an A and GMRES succeeds.
 };
 
-/// Finds search directions at one state after the other.
+/// Finds the search direction at each state of a solve.
 class DirectionFinder {
  public:
   /// All arguments must outlive the finder.

@@ -29,9 +29,9 @@ inline constexpr float kUnsampled = std::numeric_limits<float>::quiet_NaN();
 /// The paper extrudes each triangle to a prism of +-band and visits the lattice points in the box
 /// of the prism. Prisms leave gaps, wedges at convex edges and cones at convex corners, which the
 /// boxes cover only by chance. Here the region of a triangle is bounded by its box and by its
-/// plane, both extended by the max distance, which leaves no gap. In a wide band this region grows
-/// with the cube of the distance, and most points in it are closer to other triangles; there a tree
-/// finds the nearest triangle of each point.
+/// plane, both extended by the max distance, which leaves no gap. The volume of this region grows
+/// with the cube of the distance, and most points in it are closer to other triangles. In a wide
+/// band a tree therefore finds the nearest triangle of points far from the surface.
 class BandSampler {
  public:
   /// Max points of the bricks if stored as codes of 24 bits (BrickSamples): 12 GiB.
@@ -44,11 +44,11 @@ class BandSampler {
   /// \param surface          must outlive the sampler.
   /// \param frame            lattice of the field.
   /// \param max_distance_mm  points up to this distance from the surface are sampled.
-  /// \param max_points       limit for the lattice points of all bricks.
+  /// \param max_points       max number of lattice points of all bricks.
   /// \param progress         may cancel.
   /// \param simd             instruction set; all give the same bits.
-  /// \returns kInvalidArgument if the band contains more points, or there are too many pairs of a
-  ///   triangle and a brick; kCancelled.
+  /// \returns the sampler; kInvalidArgument if the band contains more points, or there are too many
+  ///   pairs of a triangle and a brick; or kCancelled.
   [[nodiscard]] static Result<BandSampler> create(const PreparedSurface& surface,
                                                   const FieldFrame& frame, double max_distance_mm,
                                                   Index max_points = kMaxPoints,
@@ -82,8 +82,8 @@ class BandSampler {
   double cell_mm_;
   int resolution_;
   double max_distance_mm_;
-  /// Up to this distance triangles are binned; beyond it `tree_` is used, if it is less than the
-  /// max.
+  /// Up to this distance triangles are assigned to bricks. If it is less than max_distance_mm_,
+  /// `tree_` is used for points further away.
   double binned_mm_;
   Simd simd_;
   std::vector<std::int32_t> bricks_;
@@ -101,7 +101,8 @@ class BandSampler {
 /// \param winding          of the surface, or null if it is open; resolves sign conflicts
 ///   (resolve_sign_conflicts.h).
 /// \param progress         receives the fraction done; may cancel.
-/// \returns kInvalidArgument if the points would exceed the memory limit; kCancelled.
+/// \returns the samples [mm]; kInvalidArgument if the points would exceed the memory limit; or
+///   kCancelled.
 [[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
                                                        const FieldFrame& frame,
                                                        double max_distance_mm,

@@ -10,7 +10,7 @@
 
 namespace lefort::field {
 
-/// Samples the bricks of the band and stores leaves with distances.
+/// Samples the bricks of the band, and stores their leaves that contain distances.
 ///
 /// Two neighbors whose distances differ by more than a cell are in conflict, as at the boundary of
 /// an open surface or where a surface intersects itself. Inside a brick the winding number resolves
@@ -20,7 +20,7 @@ namespace lefort::field {
 /// \param frame     lattice of the field.
 /// \param winding   of the surface, or null if it is open.
 /// \param progress  receives the fraction done; may cancel.
-/// \returns kCancelled; kInvalidArgument if there are more than 2^32 leaves.
+/// \returns the samples; kCancelled; or kInvalidArgument if there are more than 2^32 leaves.
 [[nodiscard]] Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
                                                 const WindingScanlines* winding,
                                                 Progress& progress);

@@ -30,9 +30,9 @@ struct DistanceFieldOptions {
   /// resolution / 4 cells if that is less.
   double band_mm = 0.0;
   double tolerance_mm = 0.005;      ///< Octrees reproduce samples in the band within this, >= 0.
-  double relative_tolerance = 0.0;  ///< If not 0, replaces it: fraction of the cube's edge.
+  double relative_tolerance = 0.0;  ///< Not 0: replaces tolerance_mm; fraction of the cube's edge.
   double margin_mm = 0.0;           ///< Distance between the band and the cube, >= 0.
-  double side_mm = 0.0;             ///< If not 0, replaces margin_mm: edge of the cube.
+  double side_mm = 0.0;             ///< Not 0: replaces margin_mm; edge of the cube.
   bool smooth = false;              ///< Store what DistanceField::sample_smooth() needs.
 };
 

@@ -20,7 +20,7 @@ namespace lefort::field {
 /// \param distances  of all lattice points.
 /// \param frame      lattice of the field.
 /// \param progress   may cancel.
-/// \returns kCancelled.
+/// \returns the octree, or kCancelled.
 [[nodiscard]] Result<Octree> coalesce(const SignedDistances& distances, const FieldFrame& frame,
                                       Progress& progress);
 

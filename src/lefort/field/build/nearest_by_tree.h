@@ -14,8 +14,8 @@ namespace lefort::field {
 ///
 /// \param mesh             the surface.
 /// \param tree             of `mesh`.
-/// \param low              position of the first point of the brick.
-/// \param cell             spacing of its points.
+/// \param low              position of the first point of the brick [mm].
+/// \param cell             spacing of its points [mm].
 /// \param max_distance_mm  max distance of triangles.
 /// \param simd             instruction set; all give the same bits.
 /// \param nearest          points with a code are not changed. \pre their nearest triangle is

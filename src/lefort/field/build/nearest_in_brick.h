@@ -50,16 +50,16 @@ struct alignas(64) NearestInBrick {
   }
 };
 
-/// Compares triangles with the nearest ones so far; at equal distance the triangle visited first
-/// remains. The order of visits depends on the length of the list only.
+/// Updates the nearest triangle of each point from a list of triangles. At equal distance the
+/// triangle visited first is kept. The order of visits depends on the length of the list only.
 ///
 /// Distances are computed in single precision relative to the brick, so their errors are about 1e-7
 /// of the largest of max distance, brick and triangle.
 ///
 /// \param mesh             the surface.
 /// \param triangles        of `mesh`, none of them a point.
-/// \param low              position of the first point of the brick.
-/// \param cell             spacing of its points.
+/// \param low              position of the first point of the brick [mm].
+/// \param cell             spacing of its points [mm].
 /// \param max_distance_mm  max distance of triangles.
 /// \param simd             instruction set; all give the same bits.
 /// \param nearest          is updated.

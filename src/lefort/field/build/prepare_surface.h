@@ -21,7 +21,7 @@ struct PreparedSurface {
   geometry::Pseudonormals normals;
   std::vector<bool> is_opposite_duplicate;  ///< By triangle; empty if there are none.
   bool closed = false;  ///< Each edge has equally many triangles in both directions.
-  Index parts = 0;      ///< Components connected by edges.
+  Index parts = 0;      ///< Number of components, connected by edges.
   MeshRepairReport report;
 };
 
@@ -31,8 +31,8 @@ struct PreparedSurface {
 /// inside another one it is a cavity.
 ///
 /// \param surface_B  any triangle soup.
-/// \returns kMeshInvalid if the surface is empty, not finite, too large, or all triangles are
-///   degenerate.
+/// \returns the repaired surface; or kMeshInvalid if it is empty, not finite, too large, or all
+///   triangles are degenerate.
 [[nodiscard]] Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B);
 
 }  // namespace lefort::field

@@ -16,14 +16,14 @@ namespace lefort::field {
 /// reproduces every point of the finest lattice in it within the tolerance, or it is one cell \cite
 /// frisken2000. Cubes outside the band are not split.
 ///
-/// Distances are exact; each takes one query of a bounding volume hierarchy. A lattice point is
-/// computed once per cube of one thread.
+/// Distances are exact; each takes one query of a bounding volume hierarchy. Within the cube that
+/// one thread refines, each lattice point is computed once.
 ///
 /// \param surface   to be sampled.
 /// \param frame     lattice of the field.
 /// \param winding   of the surface, or null if it is open.
 /// \param progress  receives the fraction done; may cancel.
-/// \returns kCancelled.
+/// \returns the octree, or kCancelled.
 [[nodiscard]] Result<Octree> split_top_down(const PreparedSurface& surface, const FieldFrame& frame,
                                             const WindingScanlines* winding, Progress& progress);
 

@@ -40,15 +40,15 @@ class OverlapBudget {
 };
 
 /// Finds the bricks with a point that may be within `max_distance_mm` of a triangle. They intersect
-/// the box of the triangle and its half-spaces, all extended by that distance. Unlike prisms this
-/// leaves no gap at edges and corners.
+/// its bounding box and five half-spaces (two of its plane, three of its edges), all extended by
+/// that distance. Unlike prisms this leaves no gap at edges and corners.
 ///
 /// \param mesh             the surface.
 /// \param begin            first triangle.
 /// \param end              one after the last triangle.
 /// \param grid             positions of the bricks.
 /// \param max_distance_mm  max distance.
-/// \param pairs            counts all bricks in boxes; once they are too many, triangles get none.
+/// \param pairs            counts all bricks in boxes. Above its maximum, triangles get no bricks.
 /// \param simd             instruction set; all give the same bits.
 [[nodiscard]] TriangleBrickOverlaps triangle_brick_overlaps(
     const geometry::TriangleMesh& mesh, Index begin, Index end, const BrickGrid& grid,

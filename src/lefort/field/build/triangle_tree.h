@@ -17,7 +17,7 @@ struct TriangleTree {
   /// 2^31 triangles give 31 levels; a depth-first traversal keeps one node per level.
   static constexpr std::size_t kStackSize = 64;
 
-  /// The first child of a branch follows it.
+  /// A leaf or a branch. The first child of a branch is the next node.
   struct Node {
     std::array<float, 3> low, high;  ///< Relative to `origin`; contains the triangles.
     std::int32_t first;              ///< Leaf: first position in `order`. Branch: second child.

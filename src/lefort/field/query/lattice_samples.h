@@ -20,8 +20,8 @@ struct SampleBlock {
   LatticePoint first{};
   /// The common zone of all samples if none is a distance; `values` is then not set.
   std::optional<Zone> side;
-  /// x fastest [mm]; +infinity outside the band, -infinity inside, NaN if unknown. The last blocks
-  /// extend beyond the lattice, where values are undefined.
+  /// x fastest [mm]; +infinity outside the band, -infinity inside, NaN if unknown. Blocks
+  /// at the upper sides extend beyond the lattice; values there are undefined.
   std::array<float, SparseLattice::kBrickPoints> values{};
 
   [[nodiscard]] float at(const LatticePoint& point) const {
@@ -58,8 +58,8 @@ struct LatticeWindow {
 /// \param frame     lattice of the field.
 /// \param region_B  the box; all samples if empty.
 /// \param every     stride along each axis.
-/// \returns kInvalidArgument if `every` is not from 1 to the resolution, or the box contains no
-///   sample.
+/// \returns the window; or kInvalidArgument if `every` is not from 1 to the resolution, or the box
+///   contains no sample.
 [[nodiscard]] Result<LatticeWindow> window_of(const FieldFrame& frame,
                                               const std::optional<Box3>& region_B, int every);
 
@@ -70,7 +70,7 @@ struct LatticeWindow {
 /// \param window    of its lattice.
 /// \param progress  receives the fraction done; may cancel.
 /// \param body      called for one block at a time.
-/// \returns kCancelled.
+/// \returns nothing, or kCancelled.
 [[nodiscard]] Result<void> for_each_block(const DistanceField& field, const LatticeWindow& window,
                                           Progress& progress,
                                           const std::function<void(const SampleBlock&)>& body);
@@ -92,7 +92,7 @@ struct SampleCount {
 ///
 /// \param field     to be counted.
 /// \param progress  receives the fraction done; may cancel.
-/// \returns kCancelled.
+/// \returns the counts, or kCancelled.
 [[nodiscard]] Result<SampleCount> count_samples(const DistanceField& field,
                                                 Progress& progress = Progress::none());
 

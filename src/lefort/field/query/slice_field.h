@@ -14,16 +14,16 @@ namespace lefort::field {
 /// Plane and resolution of a slice.
 struct SliceOptions {
   int axis = 2;        ///< Normal of the plane: 0 sagittal, 1 coronal, 2 axial.
-  double at_mm = 0.0;  ///< Coordinate of the plane along the axis.
+  double at_mm = 0.0;  ///< Coordinate of the plane along the axis, in frame B.
   /// Region that is shown; its extent along the normal is not used.
   std::optional<Box3> region_B{};
   double pixel_mm = 1.0;  ///< Edge of a pixel, > 0.
   bool smooth = false;    ///< Use the smooth interpolation (sample_smooth()).
 };
 
-/// Distances on a plane, rows from the top. Orientation as in radiology: seen from the patient's
-/// feet (axial), front (coronal) and left (sagittal), so that the left of the
-/// picture is the patient's right (axial, coronal) or front (sagittal).
+/// Distances on a plane, rows from the top. Orientation as in radiology: the plane is seen from the
+/// patient's feet (axial), front (coronal) or left (sagittal). The left of the picture is the
+/// patient's right (axial, coronal) or front (sagittal).
 struct FieldSlice {
   Vec3 corner_B;         ///< Upper left corner of the upper left pixel.
   Vec3 right_B, down_B;  ///< Unit, along axes.
@@ -42,15 +42,15 @@ struct FieldSlice {
   }
 };
 
-/// Most pixels along an edge of a slice.
+/// Max pixels along an edge of a slice.
 inline constexpr int kMaxSliceSide = 16'000;
 
 /// Extent of a slice to the right and down [mm].
 ///
 /// \param frame    lattice of the field.
 /// \param options  plane and resolution.
-/// \returns kInvalidArgument if the axis is invalid, or the plane or the region does not intersect
-///   the field.
+/// \returns the extent; or kInvalidArgument if the axis is invalid, or the plane or the region does
+///   not intersect the field.
 [[nodiscard]] Result<Eigen::Vector2d> slice_extent(const FieldFrame& frame,
                                                    const SliceOptions& options);
 
@@ -58,8 +58,8 @@ inline constexpr int kMaxSliceSide = 16'000;
 ///
 /// \param field    to be evaluated.
 /// \param options  plane and resolution.
-/// \returns as slice_extent(); kInvalidArgument if there are more than kMaxSliceSide pixels along
-///   an edge, or `smooth` is set and the field is not smooth.
+/// \returns the slice; or kInvalidArgument as slice_extent(), if there are more than kMaxSliceSide
+///   pixels along an edge, or if `smooth` is set and the field is not smooth.
 [[nodiscard]] Result<FieldSlice> slice_field(const DistanceField& field,
                                              const SliceOptions& options);
 

@@ -16,9 +16,8 @@ namespace lefort::field {
 /// Signs of all points of a brick: known points keep theirs, unsampled ones get that of the winding
 /// number, so that wrong signs near self-intersections do not spread.
 ///
-/// Unsampled points within four of each other along each axis (5.2 cells) have the same sign if
-/// both are further than half of that from the surface; then eight evaluations are enough for a
-/// brick.
+/// The diagonal of 4 x 4 x 4 points is 5.2 cells. If the band is at least half as wide, unsampled
+/// points of such a block have the same sign, and eight evaluations are enough for a brick.
 ///
 /// \param signs    of the known points.
 /// \param winding  of the surface.

@@ -25,7 +25,8 @@ namespace lefort::field {
 /// \param winding    of the surface, or null if it is open: then nothing changes.
 /// \param brick      its number.
 /// \param frame      lattice of the field.
-/// \returns points that are still in conflict with a neighbor in the brick, some repeatedly.
+/// \returns offsets of the points that are still in conflict with a neighbor in the brick; a point
+///   may occur more than once.
 std::vector<std::size_t> resolve_sign_conflicts(
     std::span<float, SparseLattice::kBrickPoints> distances, BrickSigns& signs,
     const BrickBits& inside, const WindingScanlines* winding, std::int32_t brick,

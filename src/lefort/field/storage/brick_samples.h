@@ -3,9 +3,9 @@
 /// default.
 ///
 /// A leaf has 4 x 4 x 4 samples. Eight leaves form a brick, the unit in which fields are built. A
-/// table of all bricks states which leaves are stored, and where. A leaf beyond the band takes one
-/// bit: inside or outside. So memory is proportional to the area of the surface, plus the table
-/// (1/64 byte per cell).
+/// table of all bricks states which leaves are stored, and where. For a leaf beyond the band, one
+/// bit states whether it is inside or outside. So memory is proportional to the area of the
+/// surface, plus the table (1/64 byte per cell).
 #pragma once
 
 #include <lefort/core/types.h>
@@ -49,11 +49,12 @@ class BrickSamples {
   static constexpr std::size_t kLeafBytes = std::size_t(kLeafPoints) * kCodeBytes;
 
   // Codes are 24-bit integers, little-endian: distances in units of quantum_mm().
-  static constexpr std::int32_t kBeyond =
-      (1 << 23) - 1;  ///< Beyond the band, outside; -kBeyond: beyond it, inside.
-  static constexpr std::int32_t kUnknown = -(1 << 23);  ///< The sign is not known.
-  static constexpr std::int32_t kLargest =
-      kBeyond - 8;  ///< The edge of the band, with a margin for rounding.
+  /// Beyond the band, outside; -kBeyond: beyond the band, inside.
+  static constexpr std::int32_t kBeyond = (1 << 23) - 1;
+  /// The sign is not known.
+  static constexpr std::int32_t kUnknown = -(1 << 23);
+  /// The edge of the band, with a margin for rounding.
+  static constexpr std::int32_t kLargest = kBeyond - 8;
 
   BrickSamples() = default;
 

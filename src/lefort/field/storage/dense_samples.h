@@ -41,7 +41,7 @@ class DenseSamples {
 /// \param frame     lattice of the field.
 /// \param winding   of the surface, or null if it is open.
 /// \param progress  receives the fraction done; may cancel.
-/// \returns kCancelled.
+/// \returns the samples, or kCancelled.
 [[nodiscard]] Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& frame,
                                                const WindingScanlines* winding, Progress& progress);
 

@@ -20,8 +20,9 @@ namespace lefort::field {
 
 /// One letter per node of an octree: parents before children, children x fastest.
 enum class NodeCode : char {
-  kBranch = '+',  ///< Eight children follow, or if they are finest cells, FineCells in two letters.
-  kBand = '#',    ///< Leaf in the band: it has samples at its corners.
+  /// Eight children follow; if these are finest cells, FineCells in two letters.
+  kBranch = '+',
+  kBand = '#',     ///< Leaf in the band: it has samples at its corners.
   kOutside = 'o',  ///< Leaf outside the band.
   kInside = 'i',
   kUnknown = '?',
@@ -40,7 +41,7 @@ struct FineCells {
 /// Appends two letters for eight finest cells.
 void append_fine_cells(std::string& codes, const FineCells& cells);
 
-/// Octree over a cube of resolution^3 cells. Leaves have common samples at common corners.
+/// Octree over a cube of resolution^3 cells. Leaves with a common corner share its sample.
 class Octree {
  public:
   Octree() = default;
@@ -50,8 +51,7 @@ class Octree {
   /// \param resolution   cells along an edge, a power of two and a multiple of
   ///   SparseLattice::kSide.
   /// \param codes        NodeCode letters; nothing may follow the tree.
-  /// \param max_samples  limit for the number of samples, which limits memory, whatever the letters
-  ///   say.
+  /// \param max_samples  max number of samples; this limits the memory for a damaged file.
   /// \returns kFileCorrupt if the letters are not a tree of that size, or it has more samples.
   [[nodiscard]] static Result<Octree> decode(int resolution, std::string_view codes,
                                              Index max_samples = std::numeric_limits<Index>::max());

@@ -18,7 +18,7 @@ namespace lefort::field {
           low[2] + (corner >> 2) * cells};
 }
 
-/// Zone of a finest cell from its corners; kUnknown, too, if they are in conflict.
+/// Zone of a finest cell from its corners; also kUnknown if they are in conflict.
 [[nodiscard]] inline Zone zone_of_fine_cell(const std::array<float, 8>& corners, float cell_mm) {
   const Zone zone = zone_of(corners);
   if (zone != Zone::kBand) return zone;

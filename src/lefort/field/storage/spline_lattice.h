@@ -1,9 +1,9 @@
 /// \file
 /// The lattice values for the spline of DistanceField::sample_smooth() (evaluate_spline.h).
 ///
-/// They are not reconstructed from the octree: coalesced cells have the octree's tolerance as
-/// noise, which second differences divide by cell^2, and contact stiffness would contain that
-/// noise. Besides, a query would take up to 64 traversals of the octree instead of at most eight
+/// They are not reconstructed from the octree. Merged cells have errors up to the octree's
+/// tolerance. Second differences divide these errors by cell^2, and the contact stiffness would
+/// contain them. A query would also take up to 64 traversals of the octree instead of at most eight
 /// brick lookups.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace lefort::field {
 /// \param cell           spacing of the lattice; also the max difference between neighbors of a
 ///   distance field. Larger differences are sign conflicts beyond the boundary of an open surface:
 ///   both values become NaN.
-/// \param max_magnitude  bricks without a value of at most this magnitude are dropped.
+/// \param max_magnitude  a brick is kept if one of its values has at most this magnitude [mm].
 [[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell,
                                            double max_magnitude);
 

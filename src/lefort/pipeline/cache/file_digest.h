@@ -11,8 +11,8 @@ namespace lefort::pipeline {
 /// The file with the SHA-256 of `file`, as `sha256sum` writes it.
 [[nodiscard]] std::filesystem::path digest_file(const std::filesystem::path& file);
 
-/// Writes digest_file(). To be called when `file` is complete; the earlier one must be removed
-/// before `file` is replaced.
+/// Writes digest_file() of a complete file. Before `file` is replaced, the earlier digest must be
+/// removed.
 ///
 /// \returns nothing or kFileUnwritable.
 [[nodiscard]] Result<void> write_digest(const std::filesystem::path& file);

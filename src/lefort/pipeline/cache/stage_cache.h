@@ -28,9 +28,9 @@ class StageCache {
     return folder_ / fmt::format("{}-{}", key.substr(0, 16), name);
   }
 
-  /// Reads a cached result, which is reported as a stage, or computes and stores it. A file that is
-  /// damaged or has another SHA-256 is computed again, with a note; a result that cannot be stored
-  /// is returned, with a note.
+  /// Reads a cached result, or computes and stores it. Reading is reported as a stage. If the file
+  /// is damaged or has another SHA-256, the result is computed again, with a note. A result that
+  /// cannot be stored is returned all the same, with a note.
   ///
   /// \param read   returns Result<T> from a path.
   /// \param make   returns Result<T>.

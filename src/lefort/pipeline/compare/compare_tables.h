@@ -13,17 +13,20 @@
 
 namespace lefort::pipeline {
 
-/// Values that are not finite become null.
+/// As JSON; values that are not finite become null.
 [[nodiscard]] nlohmann::json statistics_json(const compare::DifferenceStatistics& s);
 
+/// Regions and their differences [mm] as JSON, CSV and text.
 [[nodiscard]] nlohmann::json regions_json(std::span<const compare::RegionDifference> rows);
 [[nodiscard]] std::string regions_csv(std::span<const compare::RegionDifference> rows);
 [[nodiscard]] std::string regions_text(std::span<const compare::RegionDifference> rows);
 
 [[nodiscard]] nlohmann::json registration_json(const compare::Registration& registration);
+
+/// Achieved movement of each segment [mm, degrees] as JSON and CSV.
 [[nodiscard]] nlohmann::json movements_json(const SurgeryFound& surgery);
 [[nodiscard]] std::string movements_csv(const SurgeryFound& surgery);
-/// Lines, each after a line feed.
+/// The same as text; each line begins with a line feed.
 [[nodiscard]] std::string movements_text(const SurgeryFound& surgery);
 
 }  // namespace lefort::pipeline

@@ -8,9 +8,10 @@
 
 namespace lefort::pipeline {
 
+/// x, y, z.
 [[nodiscard]] nlohmann::json as_json(const Vec3& v);
 
-/// The rows of a 4 by 4 matrix, 16 numbers.
+/// The 16 numbers of the 4 by 4 matrix, row by row; translation in mm.
 [[nodiscard]] nlohmann::json as_json(const RigidTransform& pose);
 
 }  // namespace lefort::pipeline

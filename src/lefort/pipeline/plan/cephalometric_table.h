@@ -11,11 +11,12 @@
 
 namespace lefort::pipeline {
 
-/// \param after  empty, or the lines of `before` again.
+/// \param before  measurements [degrees or mm] before surgery.
+/// \param after   empty, or the same measurements after surgery, in the same order.
 [[nodiscard]] nlohmann::json cephalometric_json(std::span<const plan::Measurement> before,
                                                 std::span<const plan::Measurement> after);
 
-/// One line for each known measurement, each after a line feed.
+/// One line for each known measurement; each begins with a line feed.
 [[nodiscard]] std::string cephalometric_text(std::span<const plan::Measurement> before,
                                              std::span<const plan::Measurement> after);
 

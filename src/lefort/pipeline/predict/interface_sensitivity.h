@@ -16,16 +16,17 @@
 
 namespace lefort::pipeline {
 
-/// Distance between the faces of the interfaces `bonded` and `contact` at the end of the path, both
-/// solved on the same coarse mesh, over the skin that either of them moves by more than 0.5 mm.
-/// If the solve with `bonded` fails, for example because elements between two bonded bones invert,
-/// the interface `clinical` replaces it.
+/// Distance between the faces predicted with the interfaces `bonded` and `contact`, at the end of
+/// the path, on the same coarse mesh. It is taken over the skin that moves by more than 0.5 mm with
+/// either of them. If the solve with `bonded` fails, as where elements between two bonded bones
+/// invert, the interface `clinical` replaces `bonded`.
 struct InterfaceSensitivity {
   double element_size_mm = 0.0;                                       ///< Of the coarse mesh.
   predict::TissueInterface held = predict::TissueInterface::kBonded;  ///< Or kClinical.
-  double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
+  double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;      ///< Of the distance.
   std::optional<std::string> failure = std::nullopt;  ///< Why there are no distances.
-  /// Displacement of each vertex of the skin [mm]; empty with `failure`.
+  /// Displacement of each vertex of the skin with the interface `held`, and with `contact` [mm];
+  /// empty with `failure`.
   std::vector<Vec3> held_mm{}, contact_mm{};
 };
 

@@ -25,6 +25,7 @@ struct PredictionPicture {
 ///
 /// \param skin_displacement_mm  one per vertex of prepared.skin_L.
 /// \param segments              at the end of their paths.
+/// \returns the pictures, or the errors of report::SurfaceScene.
 [[nodiscard]] Result<std::vector<PredictionPicture>> draw_prediction(
     const PreparedCase& prepared, std::span<const Vec3> skin_displacement_mm,
     std::span<const predict::SegmentStep> segments, Progress& progress);

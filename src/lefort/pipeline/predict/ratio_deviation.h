@@ -11,28 +11,29 @@
 
 namespace lefort::pipeline {
 
-/// The same ratio by two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
+/// The same ratio with two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
 struct RatioByInterface {
-  double held = 0.0;     ///< By `bonded`; if that fails, by `clinical`.
-  double contact = 0.0;  ///< By `contact`.
+  double held = 0.0;     ///< With `bonded`; if that fails, with `clinical`.
+  double contact = 0.0;  ///< With `contact`.
 };
 
 /// A ratio with what may explain a deviation from its range.
 struct ExplainedRatio {
   compare::SoftTissueRatio ratio;
   std::optional<RatioByInterface> by_interface = std::nullopt;
-  /// Between the landmark of the skin and the closest point where the scan ends [mm]; only within
-  /// kNearScanBoundary_mm.
+  /// Distance of the skin landmark from the closest point of the scan boundary [mm]; set only if it
+  /// is at most kNearScanBoundary_mm.
   std::optional<double> scan_boundary_mm = std::nullopt;
 };
 
-/// A displacement at the end of the scan changes the skin up to about twice the thickness of soft
-/// tissue away (Saint-Venant); lips and chin are 12 to 15 mm thick (\cite arnett1999).
+/// Conditions at the scan boundary affect the skin up to a distance of about twice the thickness of
+/// the soft tissue (Saint-Venant); lips and chin are 12 to 15 mm thick (\cite arnett1999).
 inline constexpr double kNearScanBoundary_mm = 25.0;
 
 /// \param ratios   of the prediction.
-/// \param held     of the same segments and landmarks by the interface that holds tissue; or empty.
-/// \param contact  by the interface `contact`; or empty.
+/// \param held     with the interface InterfaceSensitivity::held, for the same segments and
+///   landmarks; or empty.
+/// \param contact  with the interface `contact`; or empty.
 /// \returns `ratios` in their order. A ratio that `held` or `contact` lacks has no `by_interface`.
 [[nodiscard]] std::vector<ExplainedRatio> with_interfaces(
     std::span<const compare::SoftTissueRatio> ratios,
@@ -43,7 +44,7 @@ inline constexpr double kNearScanBoundary_mm = 25.0;
 ///
 /// \param ratios          changed.
 /// \param landmarks_L     before surgery.
-/// \param scan_boundary_L nodes of the tissue where the scan ends; may be empty.
+/// \param scan_boundary_L nodes of the tissue at the scan boundary [mm]; may be empty.
 void measure_scan_boundary(std::vector<ExplainedRatio>& ratios,
                            std::span<const plan::Landmark> landmarks_L,
                            std::span<const Vec3> scan_boundary_L);

@@ -17,8 +17,8 @@
 
 namespace lefort::pipeline {
 
-/// Removes the results of an earlier run, prediction.json first, so that they are not taken for
-/// those of a run that fails. The cache and other files are kept.
+/// Removes the results of an earlier run, prediction.json first. Otherwise they could be taken for
+/// results of a later run that fails. The cache and other files are kept.
 ///
 /// \returns nothing, or kFileUnwritable: a result could not be removed.
 [[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
@@ -36,20 +36,26 @@ inline constexpr const char* kMovedSegment = "bone_segment_moved";
 inline constexpr const char* kBoneOverlap = "bone_overlap";
 
 /// bone_overlap.vtp for each segment that overlaps other bone: its initial surface, with the depth
-/// of each vertex at each step with overlap.
+/// of each vertex [mm] at each step with overlap.
+///
+/// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
 /// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, interface.vtp,
 /// bone_segment_moved.vtp for each segment, and paraview/prediction.pvd with a VTU of the initial
 /// state and of each step.
+///
+/// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// pictures/ with the mesh's plots, report.html, plan.json, and last prediction.json: it shows that
-/// all files are complete.
+/// Writes the pictures and the plots of the mesh into pictures/, then report.html and plan.json,
+/// and last prediction.json, whose presence shows that all files are complete.
+///
+/// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,
                                            const report::CaseReport& report,
                                            std::span<const PredictionPicture> pictures,
@@ -58,6 +64,8 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
                                            const nlohmann::ordered_json& prediction);
 
 /// The same for a path that did not converge: report.html, plan.json and failure.json.
+///
+/// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_failure(const std::filesystem::path& folder,
                                          const report::CaseReport& report,
                                          std::string_view plan_text,

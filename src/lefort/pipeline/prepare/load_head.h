@@ -32,8 +32,13 @@ struct ScannedHead {
   }
 };
 
-/// \param plan  names the labels, or has the options to segment them.
-/// \param ct    the scan.
+/// Imports and segments a scan, and extracts the surface of the bone.
+///
+/// \param plan   names the labels, or has the options of the segmentation.
+/// \param ct     the scan.
+/// \param cache  of the labels.
+/// \returns the head; or what io::import_volume(), io::read_segmentation() or
+///   anatomy::segment_tissue(), and anatomy::extract_isosurface() return.
 [[nodiscard]] Result<ScannedHead> scan_head(const io::PlanFile& plan,
                                             const std::filesystem::path& ct,
                                             const StageCache& cache, Progress& progress);
@@ -41,8 +46,8 @@ struct ScannedHead {
 /// Reports fragments: bone within an osteotomy that does not move.
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
-/// Warns of a segment that contains much bone of both labels: the labels at joints or occlusion, or
-/// the cut, are then likely wrong.
+/// Warns if a segment contains much bone labeled as skull and much labeled as mandible: the labels
+/// at the joints or between the teeth, or the cut, are then probably wrong.
 void note_mixed_labels(const anatomy::LabelMap& labels, const std::string& segment,
                        const geometry::TriangleMesh& segment_L, Progress& progress);
 

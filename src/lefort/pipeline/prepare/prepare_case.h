@@ -46,7 +46,7 @@ struct PreparedCase {
   predict::FaceModel model;
   mesh::MeshQuality quality;
   std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has a material for skin.
-  /// Of each segment with every later one and with the stationary bone, at each step.
+  /// Overlap of each segment with every later one and with the stationary bone, at each step.
   std::vector<predict::BoneOverlapAtFraction> overlaps;
   ScannedHead head;
   std::optional<predict::BoundaryLabelMap> painted;  ///< Boundary conditions painted by the user.
@@ -63,7 +63,9 @@ struct PreparedCase {
 /// \param plan_sha256  SHA-256 of the text of the plan.
 /// \param ct           the scan.
 /// \param cache        of labels, fields and the tissue's mesh.
-/// \returns the case, or what importing, segmenting, cutting, meshing and check_reach() return.
+/// \returns the case, or what scan_head(), io::read_boundary_labels(), plan::cut_segments(),
+///   field::build_distance_field(), predict::check_reach() and predict::mesh_tissue() return; or
+///   kPlanInvalid if the plan has a material for muscle and the labels contain none.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
@@ -74,7 +76,7 @@ struct PreparedCase {
 /// \param tissue    sizes and materials.
 /// \param boundary  interface and boundaries.
 /// \param cache     of the mesh and of the field of stationary bone.
-/// \returns the model, or what meshing returns.
+/// \returns the model, or what predict::mesh_tissue() and field::build_distance_field() return.
 [[nodiscard]] Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                                       const predict::TissueOptions& tissue,
                                                       const predict::BoundaryOptions& boundary,

@@ -18,7 +18,7 @@
 
 namespace lefort::pipeline {
 
-/// Checks that results do not overwrite inputs of the run.
+/// Checks that no result of an earlier run, which would be removed, is an input of this run.
 ///
 /// \param inputs  files that are read.
 /// \returns nothing, or kFileUnwritable, naming the file.
@@ -27,13 +27,15 @@ namespace lefort::pipeline {
 
 /// Removes the results of an earlier run, solve.json first.
 ///
-/// These are the steps listed in solve.pvd or solve_incomplete.pvd, and the other result files
-/// beside such a list. A file with the name of a result that is not one of them is not removed.
+/// Results are the steps listed in solve.pvd or solve_incomplete.pvd, and the other result files in
+/// a folder with such a list. If another file has the name of a result, nothing is removed.
 ///
-/// \returns nothing, or kFileUnwritable: there is such a file, or a result cannot be removed.
+/// \returns nothing; or kFileUnwritable if there is such another file, or a result cannot be
+///   removed.
 [[nodiscard]] Result<void> remove_solve_results(const std::filesystem::path& folder);
 
-/// Writes step_NNNN.vtu after each increment, and the other files at the end.
+/// Writes step_NNNN.vtu after each increment, and the other files at the end. The functions return
+/// kFileUnwritable if a file cannot be written.
 ///
 /// The series is solve_incomplete.pvd until the run has reached time 1, and solve.pvd from then on,
 /// so that an incomplete run is not taken for a complete one.

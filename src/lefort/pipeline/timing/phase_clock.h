@@ -9,7 +9,7 @@
 
 namespace lefort::pipeline {
 
-/// Sums the time of named phases, of which one runs at a time.
+/// Sums the wall-clock time of named phases; one runs at a time.
 class PhaseClock {
  public:
   /// Ends the current phase and begins `name`.

@@ -43,7 +43,7 @@ class CalibrationCase {
   /// Values of the parameters in the plan of the case, within their bounds; reads the plan.
   [[nodiscard]] Result<std::vector<double>> values_of_plan();
 
-  /// The plan that the last prediction used; \pre values_of_plan() has succeeded.
+  /// The plan that the last prediction used. \pre values_of_plan() has succeeded.
   [[nodiscard]] const io::PlanFile& plan() const { return *plan_; }
 
   [[nodiscard]] const std::string& name() const { return one_.name; }

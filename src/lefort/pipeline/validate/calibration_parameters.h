@@ -20,11 +20,11 @@ struct CalibrationParameter {
   const char* meaning;  ///< With its unit.
   double low, high;     ///< Bounds.
   bool is_logarithmic;  ///< Fitted as a logarithm.
-  double step;          ///< Of finite differences: in units of the parameter, or of its logarithm.
-  bool changes_mesh;    ///< Boundary conditions or mesh depend on it; otherwise only forces.
+  double step;          ///< Of finite differences: of the parameter, or of its logarithm.
+  bool changes_mesh;    ///< Mesh or boundary conditions depend on it, not only forces.
   double (*get)(const io::PlanFile&);
   void (*set)(io::PlanFile&, double);
-  /// Keys of a plan with this value; of a plan like `plan`.
+  /// The keys of a plan that set this value; other values in these keys are those of `plan`.
   nlohmann::ordered_json (*keys)(const io::PlanFile& plan, double);
 
   /// Coordinate from 0 to 1 between the bounds; clamped.

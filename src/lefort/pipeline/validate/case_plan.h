@@ -24,15 +24,15 @@ struct CaseFiles {
 
 struct CasePlan {
   nlohmann::ordered_json json;         ///< Valid; paths are relative to the work folder.
-  std::vector<bool> lacks_movement{};  ///< By segment: without a path it stays in place in `json`.
+  std::vector<bool> lacks_movement{};  ///< By segment: it has no path; in `json` it stays in place.
 };
 
 /// The plan of the case, of the cohort or, without both, of the mandible as a whole.
 ///
 /// \param one              the case.
 /// \param files            named in the plan.
-/// \param element_size_mm  of the mesh near the segments, instead of the plan's; that far away
-///   becomes twice as large, or stays as it is if it is larger.
+/// \param element_size_mm  of the mesh near the segments, instead of the plan's. The element size
+///   far from the segments is then at least twice this.
 /// \returns the plan, or kPlanInvalid if it is not one.
 [[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
                                           std::optional<double> element_size_mm);

@@ -33,8 +33,8 @@ struct RegionResult {
   double area_mm2 = 0.0;           ///< Of the skin before surgery.
   double compared_fraction = 0.0;  ///< Of that area, for the prediction.
   std::array<MethodStatistics, kMethods.size()> methods{};
-  /// Mean displacement of the skin along y (posterior) from before surgery to the closest point of
-  /// the achieved and of the predicted face: measured equally for both.
+  /// Mean displacement of the skin along y (posterior), from the face before surgery to the closest
+  /// point of the achieved face, and to that of the predicted face.
   double achieved_y_mm = 0.0, predicted_y_mm = 0.0;
 };
 

@@ -52,8 +52,8 @@ class CaseProgress : public Progress {
   CaseNotes notes_;
 };
 
-/// Whether an error is a property of the case, not of the run: the user stopped it, or the machine
-/// has no memory or disk left.
+/// Whether an error is a property of the case. The others are properties of the run: kCancelled,
+/// kFileUnwritable and kOutOfMemory.
 [[nodiscard]] bool is_of_case(const Error& error);
 
 }  // namespace lefort::pipeline

@@ -37,8 +37,9 @@ struct CaseSetup {
   plan::Landmarks landmarks;  ///< Before surgery; may be empty.
 };
 
-/// Makes scan and labels of surfaces, cuts the bones, registers the head after surgery, finds the
-/// movements if necessary, and writes the plan of the prediction to `work`/plan.json.
+/// Makes scan and labels if the case has surfaces only, cuts the bones, registers the head after
+/// surgery, finds the movements if necessary, and writes the plan of the prediction to
+/// `work`/plan.json.
 ///
 /// \param one      the case.
 /// \param work     folder for the files of this case.
