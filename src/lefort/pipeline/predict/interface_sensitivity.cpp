@@ -74,7 +74,10 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
                                                            Progress& progress) {
   InterfaceSensitivity sensitivity{.element_size_mm = coarse(prepared.plan.tissue).element_size_mm};
   Result<std::vector<Vec3>> held_mm = solve(prepared, sensitivity.held, cache, progress);
-  if (!held_mm && held_mm.error().code != ErrorCode::kCancelled) {
+  const auto may_help = [](ErrorCode code) {
+    return code != ErrorCode::kCancelled && code != ErrorCode::kOutOfMemory;
+  };
+  if (!held_mm && may_help(held_mm.error().code)) {
     sensitivity.held = predict::TissueInterface::kClinical;
     held_mm = solve(prepared, sensitivity.held, cache, progress);
   }
