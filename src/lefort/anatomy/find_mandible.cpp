@@ -39,6 +39,9 @@ constexpr double kDepth_mm = 150.0;
 constexpr double kHalfWidth_mm = 90.0;
 // Bone of a joint space is less dense than this multiple of the threshold of bone ...
 constexpr double kDensity = 2.0;
+// Half the width of the foramina, and the height of a crown.
+constexpr double kForamen_mm = 2.0;
+constexpr double kCrownHeight_mm = 10.0;
 // ... and bone deeper than this is marrow, and remains whatever its density.
 constexpr double kMarrow_mm = 3.0;
 
@@ -176,16 +179,41 @@ image::Volume<std::int32_t> seeds_around(const Mask& bone, const Mask& body,
   return seeds;
 }
 
-/// Half the width of dense bone.
+/// Half the width of dense bone with the marrow it encloses.
 image::ScalarVolume dense_width(const image::CtVolume& ct, const Mask& bone, double bone_hu) {
-  const image::ScalarVolume depth_mm =
-      distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
   // Of HU below zero a multiple would be no increase.
   const double min_hu = bone_hu + (kDensity - 1.0) * std::abs(bone_hu);
+  const auto is_sparse = [&](std::size_t v) {
+    return bone.values[v] == 0 || double(ct.values[v]) < min_hu;
+  };
+  const Components sparse = connected_components(mask_where(bone.grid, is_sparse), Neighbors::kFaces);
+  const std::vector<std::uint8_t> is_open = labels_touching(
+      sparse, mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
+  const image::ScalarVolume depth_mm =
+      distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
+  const Mask open = select_labels(sparse, is_open);
   return distance_to(mask_where(bone.grid, [&](std::size_t v) {
-    return bone.values[v] == 0 ||
-           (double(ct.values[v]) < min_hu && double(depth_mm.values[v]) <= kMarrow_mm);
+    return open.values[v] != 0 &&
+           (bone.values[v] == 0 || double(depth_mm.values[v]) <= kMarrow_mm);
   }));
+}
+
+/// Adds the marrow: soft tissue that the mandible encloses when openings up to twice as wide as
+/// kForamen_mm are closed, but not the gaps between the crowns.
+void add_marrow(const Mask& bone, const OcclusalPlane& plane, Mask& mandible) {
+  const Mask tight = dilated(mandible, kForamen_mm);
+  const Components rooms = connected_components(
+      mask_where(bone.grid, [&](std::size_t v) { return tight.values[v] == 0; }), Neighbors::kFaces);
+  const std::int32_t outside = rooms.largest();
+  const image::ScalarVolume to_outside = distance_to(
+      mask_where(bone.grid, [&](std::size_t v) { return rooms.component_of.values[v] == outside; }));
+  const Points point_L{bone.grid};
+  mandible = mask_where(bone.grid, [&](std::size_t v) {
+    if (mandible.values[v] != 0) return true;
+    if (bone.values[v] != 0 || double(to_outside.values[v]) <= kForamen_mm) return false;
+    const Vec3 p_L = point_L(v);
+    return !plane.is_in_arch_column(p_L) || plane.height_mm(p_L) < -kCrownHeight_mm;
+  });
 }
 
 /// The mandible below and above the plane; empty if there is none.
@@ -199,6 +227,7 @@ Mask separated_at(const image::CtVolume& ct, const Mask& bone, double bone_hu,
       mask_where(bone.grid, [&](std::size_t v) { return basins.values[v] == kLower; }),
       Neighbors::kFacesEdgesCorners);
   Mask mandible = component(parts, parts.largest());
+  add_marrow(bone, plane, mandible);
   const double height_mm = boxes_of(parts)[std::size_t(parts.largest())].sizes().z();
   return height_mm >= kMinHeight_mm ? mandible : none(bone.grid);
 }
