@@ -170,6 +170,7 @@ void add_plane_of_enamel(const std::vector<Sample>& samples, OcclusalPlane plane
   plane.normal_L = Vec3(-fit[1], -fit[2], 1.0).normalized();
   plane.offset_mm = plane.normal_L.dot(Vec3(plane.front_L.x(), plane.front_L.y(), fit[0]));
   plane.contrast = 1.0;
+  plane.is_of_enamel = true;
   if (plane.normal_L.z() > kMinUpright) planes.push_back(plane);
 }
 

@@ -16,6 +16,7 @@ struct OcclusalPlane {
   /// 1 if the plane crosses no bone of the dental arches, 0 if it crosses as much as there is on
   /// one of its sides.
   double contrast = 0.0;
+  bool is_of_enamel = false;  ///< Fitted to the crowns, not to the gap.
 
   /// Signed distance of a point, positive above.
   [[nodiscard]] double height_mm(const Vec3& p_L) const { return normal_L.dot(p_L) - offset_mm; }
@@ -29,7 +30,9 @@ struct OcclusalPlane {
 ///
 /// Gap valley detection (\cite jain2004) in three dimensions: the density of bone is summed over
 /// planes through the column of the dental arches; the gap is the deepest valley of the sums along
-/// the normal. Pitch and roll of the planes are varied, as the head may be tilted.
+/// the normal. Pitch and roll of the planes are varied, as the head may be tilted. Teeth in occlusion
+/// leave no gap; so the first plane, if there is enamel, is the least-squares plane through it:
+/// crowns of both jaws lie on both sides of it.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone. \pre on the grid of `ct`.

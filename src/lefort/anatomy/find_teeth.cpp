@@ -15,15 +15,16 @@ namespace {
 // CT numbers: enamel has more than 2000 HU, dentin about 1500, the cortical bone of jaws 800 to
 // 1500; voxels average them.
 constexpr double kCrown_hu = 1700.0;
-constexpr double kDentin_hu = 1300.0;
+constexpr double kDentin_hu = 1200.0;
 // Half of dentin: the border of a tooth with soft tissue.
 constexpr double kHalfDentin_hu = 750.0;
-// A crown: its least volume, and how far from the occlusal plane it begins and a root ends.
-constexpr double kMinCrown_mm3 = 20.0;
-constexpr double kCrown_mm = 12.0;
-constexpr double kRoot_mm = 26.0;
-// Roots may be inclined, and crowns wider than their enamel.
-constexpr double kInclination_mm = 2.0;
+// There are only crowns so close to the occlusal plane; roots end so far from it.
+constexpr double kCrown_mm = 6.0;
+constexpr double kRoot_mm = 24.0;
+// The least enamel of a crown.
+constexpr double kMinCrownEnamel_mm3 = 5.0;
+// Roots may be inclined.
+constexpr double kInclination_mm = 1.5;
 // Half the thickness of a root, at least; cortical bone within the footprint is thinner.
 constexpr double kRootRadius_mm = 0.8;
 // Width of the blurred border of a crown.
@@ -56,7 +57,7 @@ std::optional<OcclusalPlane> plane_between_jaws(const image::CtVolume& ct, const
   const Mask bone =
       mask_where(labels.grid, [&](std::size_t v) { return is_bone(labels.values[v]); });
   for (const OcclusalPlane& plane : find_occlusal_planes(ct, bone, bone_hu))
-    if (divides_jaws(plane, labels)) return plane;
+    if (plane.is_of_enamel && divides_jaws(plane, labels)) return plane;
   return std::nullopt;
 }
 
@@ -102,20 +103,22 @@ struct JawBox {
   }
 };
 
-/// Enamel and metal: dense components near the plane, without small ones.
+/// The crowns: what is at least half dentin close to the plane, and connected with enamel or metal.
 Mask crowns_of(const JawBox& box) {
-  const Components parts =
-      connected_components(mask_where(box.jaw.grid,
-                                      [&](std::size_t v) {
-                                        return box.jaw.values[v] != 0 &&
-                                               double(box.ct.values[v]) >= kCrown_hu &&
-                                               box.is_near_plane(v, kCrown_mm);
-                                      }),
-                           Neighbors::kFaces);
+  const Components parts = connected_components(
+      mask_where(box.jaw.grid,
+                 [&](std::size_t v) {
+                   return box.jaw.values[v] != 0 && double(box.ct.values[v]) >= kHalfDentin_hu &&
+                          box.is_near_plane(v, kCrown_mm);
+                 }),
+      Neighbors::kFaces);
+  std::vector<double> enamel_mm3(parts.voxels.size(), 0.0);
+  for (std::size_t v = 0; v < box.jaw.values.size(); ++v)
+    if (double(box.ct.values[v]) >= kCrown_hu)
+      enamel_mm3[std::size_t(parts.component_of.values[v])] += voxel_ml(box.jaw.grid) * 1e3;
   std::vector<std::uint8_t> is_crown(parts.voxels.size(), 0);
   for (std::size_t part = 1; part < parts.voxels.size(); ++part)
-    is_crown[part] =
-        double(parts.voxels[part]) * voxel_ml(box.jaw.grid) * 1e3 >= kMinCrown_mm3 ? 1 : 0;
+    is_crown[part] = enamel_mm3[part] >= kMinCrownEnamel_mm3 ? 1 : 0;
   return select_labels(parts, is_crown);
 }
 

@@ -11,14 +11,14 @@ namespace lefort::anatomy {
 namespace {
 
 // The densest bone is searched within this distance along each axis.
-constexpr double kDensest_mm = 2.0;
+constexpr double kDensest_mm = 1.5;
 // Thickness of the blurred border; at least two voxels are examined.
 constexpr double kBlurredBorder_mm = 1.0;
 constexpr int kMinPasses = 2;
 // Soft tissue beside bone.
 constexpr double kBesideBone_hu = 40.0;
-// Denser voxels count as dentin: beside a filling a tooth is not half metal.
-constexpr double kMaxTissue_hu = 1500.0;
+// Denser voxels count as cortical bone: teeth and metal do not make the bone beside them sparse.
+constexpr double kMaxTissue_hu = 1100.0;
 
 /// The maximum over a box of voxels, within kDensest_mm along each axis.
 image::CtVolume max_over_box(image::CtVolume values) {
@@ -55,6 +55,17 @@ Tissue without_border(const LabelMap& labels, const std::array<Index, 3>& at) {
   return tissue;
 }
 
+/// Makes all of the mandible soft tissue that is not connected with its largest component.
+void remove_islands(LabelMap& labels) {
+  const Components parts = connected_components(
+      mask_where(labels.grid, [&](std::size_t v) { return labels.values[v] == Tissue::kMandible; }),
+      Neighbors::kFaces);
+  const std::int32_t largest = parts.largest();
+  for (std::size_t v = 0; v < labels.values.size(); ++v)
+    if (labels.values[v] == Tissue::kMandible && parts.component_of.values[v] != largest)
+      labels.values[v] = Tissue::kSoftTissue;
+}
+
 }  // namespace
 
 void sharpen_bone(const image::CtVolume& ct, LabelMap& labels) {
@@ -81,6 +92,7 @@ void sharpen_bone(const image::CtVolume& ct, LabelMap& labels) {
         }
     });
   }
+  remove_islands(near);
   paste(near, margin, labels);
 }
 
