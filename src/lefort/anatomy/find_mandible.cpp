@@ -134,13 +134,12 @@ Margin around_jaws(const Mask& bone, const OcclusalPlane& plane) {
 /// plane that is as wide and deep as a mandible and contains the chin; empty if there is none.
 Mask body_below(const Mask& bone, const OcclusalPlane& plane) {
   const Points point_L{bone.grid};
-  const Components parts =
-      connected_components(mask_where(bone.grid,
-                                      [&](std::size_t v) {
-                                        return bone.values[v] != 0 &&
-                                               plane.height_mm(point_L(v)) < -kOcclusion_mm;
-                                      }),
-                           Neighbors::kFacesEdgesCorners);
+  const Components parts = connected_components(
+      mask_where(bone.grid,
+                 [&](std::size_t v) {
+                   return bone.values[v] != 0 && plane.height_mm(point_L(v)) < -kOcclusion_mm;
+                 }),
+      Neighbors::kFacesEdgesCorners);
   const std::vector<Box3> boxes = boxes_of(parts);
   std::int32_t body = 0;
   for (std::int32_t part = 1; part <= parts.count(); ++part) {
@@ -169,12 +168,14 @@ image::Volume<std::int32_t> seeds_around(const Mask& bone, const Mask& body,
     if (bone.values[v] == 0) return;
     const Vec3 p_L = point_L(v);
     const double height_mm = plane.height_mm(p_L);
-    const bool maxilla = plane.is_in_arch_column(p_L) && height_mm > kOcclusion_mm &&
-                         height_mm < kMaxilla_mm;
+    const bool maxilla =
+        plane.is_in_arch_column(p_L) && height_mm > kOcclusion_mm && height_mm < kMaxilla_mm;
     const bool above = height_mm > kSkullBase_mm;
     const bool behind = p_L.y() > box.max().y() + kBehind_mm && height_mm > -kBelow_mm;
-    if (body.values[v] != 0) seeds.values[v] = kLower;
-    else if (maxilla || above || behind) seeds.values[v] = kUpper;
+    if (body.values[v] != 0)
+      seeds.values[v] = kLower;
+    else if (maxilla || above || behind)
+      seeds.values[v] = kUpper;
   });
   return seeds;
 }
@@ -186,15 +187,15 @@ image::ScalarVolume dense_width(const image::CtVolume& ct, const Mask& bone, dou
   const auto is_sparse = [&](std::size_t v) {
     return bone.values[v] == 0 || double(ct.values[v]) < min_hu;
   };
-  const Components sparse = connected_components(mask_where(bone.grid, is_sparse), Neighbors::kFaces);
+  const Components sparse =
+      connected_components(mask_where(bone.grid, is_sparse), Neighbors::kFaces);
   const std::vector<std::uint8_t> is_open = labels_touching(
       sparse, mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
   const image::ScalarVolume depth_mm =
       distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
   const Mask open = select_labels(sparse, is_open);
   return distance_to(mask_where(bone.grid, [&](std::size_t v) {
-    return open.values[v] != 0 &&
-           (bone.values[v] == 0 || double(depth_mm.values[v]) <= kMarrow_mm);
+    return open.values[v] != 0 && (bone.values[v] == 0 || double(depth_mm.values[v]) <= kMarrow_mm);
   }));
 }
 
@@ -203,10 +204,11 @@ image::ScalarVolume dense_width(const image::CtVolume& ct, const Mask& bone, dou
 void add_marrow(const Mask& bone, const OcclusalPlane& plane, Mask& mandible) {
   const Mask tight = dilated(mandible, kForamen_mm);
   const Components rooms = connected_components(
-      mask_where(bone.grid, [&](std::size_t v) { return tight.values[v] == 0; }), Neighbors::kFaces);
+      mask_where(bone.grid, [&](std::size_t v) { return tight.values[v] == 0; }),
+      Neighbors::kFaces);
   const std::int32_t outside = rooms.largest();
-  const image::ScalarVolume to_outside = distance_to(
-      mask_where(bone.grid, [&](std::size_t v) { return rooms.component_of.values[v] == outside; }));
+  const image::ScalarVolume to_outside = distance_to(mask_where(
+      bone.grid, [&](std::size_t v) { return rooms.component_of.values[v] == outside; }));
   const Points point_L{bone.grid};
   mandible = mask_where(bone.grid, [&](std::size_t v) {
     if (mandible.values[v] != 0) return true;
@@ -221,8 +223,8 @@ Mask separated_at(const image::CtVolume& ct, const Mask& bone, double bone_hu,
                   const OcclusalPlane& plane) {
   const Mask body = body_below(bone, plane);
   if (voxel_count(body) == 0) return body;
-  const auto basins = seeded_watershed(seeds_around(bone, body, plane), bone,
-                                       dense_width(ct, bone, bone_hu));
+  const auto basins =
+      seeded_watershed(seeds_around(bone, body, plane), bone, dense_width(ct, bone, bone_hu));
   const Components parts = connected_components(
       mask_where(bone.grid, [&](std::size_t v) { return basins.values[v] == kLower; }),
       Neighbors::kFacesEdgesCorners);

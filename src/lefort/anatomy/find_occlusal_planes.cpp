@@ -76,14 +76,13 @@ double quantile(std::vector<double> values, double fraction) {
   return *at;
 }
 
-/// The most anterior bone, but for single voxels, in the middle of the head.
+/// The most anterior bone in the middle of the head, without single voxels.
 Vec3 front_of(const std::vector<Sample>& samples) {
   constexpr double kSingleVoxels = 0.002;
   constexpr double kMiddle = 0.5;
   std::array<std::vector<double>, 3> along;
   for (const Sample& sample : samples)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      along[axis].push_back(sample.p_L[Index(axis)]);
+    for (std::size_t axis = 0; axis < 3; ++axis) along[axis].push_back(sample.p_L[Index(axis)]);
   return {quantile(along[0], kMiddle), quantile(along[1], kSingleVoxels),
           quantile(along[2], kMiddle)};
 }
@@ -194,9 +193,9 @@ std::vector<OcclusalPlane> find_occlusal_planes(const image::CtVolume& ct, const
   for (int pitch = -kPitchSteps; pitch <= kPitchSteps; ++pitch)
     for (int roll = -kRollSteps; roll <= kRollSteps; ++roll) {
       constexpr double kRadians = std::numbers::pi / 180.0;
-      plane.normal_L = Vec3(std::tan(roll * kStep_deg * kRadians),
-                            std::tan(pitch * kStep_deg * kRadians), 1.0)
-                           .normalized();
+      plane.normal_L =
+          Vec3(std::tan(roll * kStep_deg * kRadians), std::tan(pitch * kStep_deg * kRadians), 1.0)
+              .normalized();
       add_valleys(profile_along(samples, plane.normal_L), plane, all);
     }
   std::stable_sort(all.begin(), all.end(), [](const OcclusalPlane& a, const OcclusalPlane& b) {

@@ -12,7 +12,8 @@ namespace lefort::anatomy {
 struct OcclusalPlane {
   Vec3 normal_L{0.0, 0.0, 1.0};  ///< Unit vector, to superior.
   double offset_mm = 0.0;        ///< normal . p on the plane.
-  Vec3 front_L{0.0, 0.0, 0.0};   ///< Most anterior bone of the face, in the middle; not on the plane.
+  Vec3 front_L{0.0, 0.0,
+               0.0};  ///< Most anterior bone of the face, in the middle; not on the plane.
   /// 1 if the plane crosses no bone of the dental arches, 0 if it crosses as much as there is on
   /// one of its sides.
   double contrast = 0.0;

@@ -16,8 +16,8 @@ namespace {
 // 1500; voxels average them.
 constexpr double kCrown_hu = 1700.0;
 constexpr double kDentin_hu = 1200.0;
-// Half of dentin: the border of a tooth with soft tissue.
-constexpr double kHalfDentin_hu = 750.0;
+// The border of a tooth with soft tissue: between half of dentin and half of enamel.
+constexpr double kToothBorder_hu = 1000.0;
 // There are only crowns so close to the occlusal plane; roots end so far from it.
 constexpr double kCrown_mm = 6.0;
 constexpr double kRoot_mm = 24.0;
@@ -103,12 +103,12 @@ struct JawBox {
   }
 };
 
-/// The crowns: what is at least half dentin close to the plane, and connected with enamel or metal.
+/// The crowns: what is denser than the border of a tooth close to the plane, and connected with enamel or metal.
 Mask crowns_of(const JawBox& box) {
   const Components parts = connected_components(
       mask_where(box.jaw.grid,
                  [&](std::size_t v) {
-                   return box.jaw.values[v] != 0 && double(box.ct.values[v]) >= kHalfDentin_hu &&
+                   return box.jaw.values[v] != 0 && double(box.ct.values[v]) >= kToothBorder_hu &&
                           box.is_near_plane(v, kCrown_mm);
                  }),
       Neighbors::kFaces);
@@ -140,16 +140,16 @@ Mask teeth_of(const JawBox& box) {
                  }),
       Neighbors::kFaces);
   const Mask cores = select_labels(parts, labels_touching(parts, crowns));
-  // The border of a tooth: what is denser than half of dentin, close to it, and no thicker bone.
-  const Mask rest = mask_where(dense.grid, [&](std::size_t v) {
-    return box.jaw.values[v] != 0 && cores.values[v] == 0;
-  });
+  // The blurred border of a tooth: close to it, and no thicker bone.
+  const Mask rest = mask_where(
+      dense.grid, [&](std::size_t v) { return box.jaw.values[v] != 0 && cores.values[v] == 0; });
   const Mask thick_rest = opened(rest, kCrownBorder_mm);
   const image::ScalarVolume to_core = distance_to(cores);
   return mask_where(dense.grid, [&](std::size_t v) {
     if (cores.values[v] != 0) return true;
     return rest.values[v] != 0 && thick_rest.values[v] == 0 &&
-           double(box.ct.values[v]) >= kHalfDentin_hu && double(to_core.values[v]) <= kCrownBorder_mm;
+           double(box.ct.values[v]) >= kToothBorder_hu &&
+           double(to_core.values[v]) <= kCrownBorder_mm;
   });
 }
 
@@ -168,13 +168,14 @@ ToothMap find_teeth(const image::CtVolume& ct, const LabelMap& labels, double bo
     const Index i = Index(v) % grid.size[0], jk = Index(v) / grid.size[0];
     const Vec3 p_L =
         grid.point_L({double(i), double(jk % grid.size[1]), double(jk / grid.size[1])});
-    return plane->is_in_arch_column(p_L, kArchMargin_mm) && std::abs(plane->height_mm(p_L)) < kRoot_mm;
+    return plane->is_in_arch_column(p_L, kArchMargin_mm) &&
+           std::abs(plane->height_mm(p_L)) < kRoot_mm;
   });
   const image::CtVolume near_ct = cropped(ct, margin);
   const LabelMap near = cropped(labels, margin);
   ToothMap found = cropped(teeth, margin);
-  for (const auto& [tissue, tooth] : {std::pair(Tissue::kBone, Tooth::kUpper),
-                                      std::pair(Tissue::kMandible, Tooth::kLower)}) {
+  for (const auto& [tissue, tooth] :
+       {std::pair(Tissue::kBone, Tooth::kUpper), std::pair(Tissue::kMandible, Tooth::kLower)}) {
     const Mask jaw =
         mask_where(near.grid, [&, t = tissue](std::size_t v) { return near.values[v] == t; });
     const Mask one = teeth_of({near_ct, jaw, *plane});

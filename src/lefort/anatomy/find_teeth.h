@@ -35,11 +35,11 @@ using ToothMap = image::Volume<Tooth>;
 
 /// Finds crowns and roots of both jaws; nothing if the mandible is not labeled.
 ///
-/// Crowns are what lies close to the occlusal plane and is connected with enamel or metal, which are
-/// denser than cortical bone. From them roots are followed away from the plane, as in \cite gao2010:
-/// a root is as dense as dentin, connected with a crown, within the footprint of the crowns along
-/// the normal of the plane and within the length of a root. Cortical bone may be as dense as dentin;
-/// it is thinner, so an opening removes it.
+/// Crowns are what lies close to the occlusal plane and is connected with enamel or metal, which
+/// are denser than cortical bone. Roots are followed from them, as by \cite gao2010 from slice to
+/// slice. A root is as dense as dentin, connected with a crown, within the footprint of the crowns
+/// along the normal of the plane, and within the length of a root. Cortical bone may be as dense as
+/// dentin; it is thinner, so an opening removes it.
 ///
 /// \param ct       the scan.
 /// \param labels   with the mandible. \pre on the grid of `ct`.

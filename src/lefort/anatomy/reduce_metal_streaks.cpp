@@ -180,9 +180,8 @@ StreakReduction reduce_metal_streaks(const image::CtVolume& ct, double bone_hu, 
           slice.values[n] =
               std::clamp(slice.values[n], limits.low.values[n], limits.high.values[n]);
         remove_thin_tissue(slice, skin_hu);
-        slices.for_each(k, [&](std::size_t n, std::size_t v) {
-          result.ct.values[v] = slice.values[n];
-        });
+        slices.for_each(
+            k, [&](std::size_t n, std::size_t v) { result.ct.values[v] = slice.values[n]; });
         ++result.slices;
       }
     }

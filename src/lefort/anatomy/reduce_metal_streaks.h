@@ -16,13 +16,12 @@ struct StreakReduction {
 /// make plausible.
 ///
 /// Streaks lie in the plane in which a CT scanner measures, so the slices above and below the metal
-/// show the same anatomy without them. A slice has streaks if neighboring voxels differ by more than
-/// any tissue does within the resolution of a scanner. Its numbers are limited to the range of the
-/// two closest slices without streaks within 3 mm (a morphological opening and closing by
-/// reconstruction to these limits, \cite vincent1993): bone, teeth, skin and air may move by this
-/// from slice to slice, a streak further from them is removed. Bone that both slices show remains
-/// bone, also where a streak is dark. Thin streaks outside the skin are removed by a
-/// morphological opening.
+/// show the same anatomy without them. A slice has streaks if neighboring voxels differ by more
+/// than any tissue does within the resolution of a scanner. Its numbers are limited to the range of
+/// the two closest slices without streaks within 3 mm, their dilation and erosion
+/// (\cite serra1982). So bone, teeth, skin and air may move by this from slice to slice, and a
+/// streak further from them is removed. Bone that both slices show remains bone, also where a
+/// streak is dark. An opening removes thin streaks outside the skin.
 ///
 /// The image domain is corrected because scans are stored without their projections, which the
 /// interpolation of \cite kalender1987 needs.

@@ -69,9 +69,8 @@ void remove_islands(LabelMap& labels) {
 }  // namespace
 
 void sharpen_bone(const image::CtVolume& ct, LabelMap& labels) {
-  const Margin margin = margin_around(labels.grid, {2, 2, 2}, [&](std::size_t v) {
-    return is_bone(labels.values[v]);
-  });
+  const Margin margin = margin_around(labels.grid, {2, 2, 2},
+                                      [&](std::size_t v) { return is_bone(labels.values[v]); });
   if (margin.first[0] >= labels.grid.size[0]) return;
   const image::CtVolume near_ct = cropped(ct, margin);
   const image::CtVolume densest = max_over_box(near_ct);
@@ -86,8 +85,8 @@ void sharpen_bone(const image::CtVolume& ct, LabelMap& labels) {
         for (Index i = 0; i < grid.size[0]; ++i) {
           const auto v = std::size_t(grid.offset(i, j, k));
           if (!is_bone(before.values[v])) continue;
-          const double most_hu = std::min(double(densest.values[v]), kMaxTissue_hu);
-          if (double(near_ct.values[v]) < 0.5 * (kBesideBone_hu + most_hu))
+          const double max_hu = std::min(double(densest.values[v]), kMaxTissue_hu);
+          if (double(near_ct.values[v]) < 0.5 * (kBesideBone_hu + max_hu))
             near.values[v] = without_border(before, {i, j, k});
         }
     });

@@ -31,6 +31,20 @@ Index reduce_streaks(image::CtVolume& ct, const anatomy::SegmentationOptions& op
   return reduced.slices;
 }
 
+/// Adds the volumes of all tissues and of the teeth.
+void add_volumes(const anatomy::LabelMap& labels, const anatomy::ToothMap& teeth,
+                 Summary& summary) {
+  auto volumes = anatomy::tissue_volumes_ml(labels);
+  for (const auto& [tooth, name, color] : anatomy::kToothStyles) {
+    const auto voxels = std::count(teeth.values.begin(), teeth.values.end(), tooth);
+    volumes.emplace_back(name, double(voxels) * teeth.grid.spacing_mm.prod() * 1e-3);
+  }
+  for (const auto& [name, volume_ml] : volumes) {
+    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
+    summary.json["volumes_ml"][name] = volume_ml;
+  }
+}
+
 }  // namespace
 
 Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
@@ -83,16 +97,7 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
                   {"seconds", progress.seconds_json()},
                   {"slices_with_streaks", streaks},
                   {"peak_memory_mb", peak_memory_mb()}};
-  for (const auto& [name, volume_ml] : anatomy::tissue_volumes_ml(labels)) {
-    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
-    summary.json["volumes_ml"][name] = volume_ml;
-  }
-  for (const auto& [tooth, name, color] : anatomy::kToothStyles) {
-    const auto voxels = std::count(teeth.values.begin(), teeth.values.end(), tooth);
-    const double volume_ml = double(voxels) * teeth.grid.spacing_mm.prod() * 1e-3;
-    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
-    summary.json["volumes_ml"][name] = volume_ml;
-  }
+  add_volumes(labels, teeth, summary);
   return summary;
 }
 

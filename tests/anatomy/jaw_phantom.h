@@ -1,0 +1,126 @@
+/// \file
+/// A skull and a mandible with teeth in occlusion and condyles that touch their fossae, as formulas.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/image/volume.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace lefort::test {
+
+/// Depths are signed distances [mm], positive inside; the occlusal plane is z = 0 before the head is
+/// tilted.
+struct JawPhantom {
+  double voxel_mm = 0.9;
+  double pitch_deg = 0.0;   ///< Rotation of the head about x.
+  double opening_mm = 0.0;  ///< Distance of the jaws: mandible and teeth are lowered by it.
+  double enamel_hu = 2300.0;
+  bool has_mandible = true;
+
+  static constexpr double kBone_hu = 1000.0, kDentin_hu = 1500.0, kSoft_hu = 40.0;
+
+  [[nodiscard]] static double capsule(const Vec3& p, const Vec3& a, const Vec3& b, double radius) {
+    const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    return radius - (p - a - t * (b - a)).norm();
+  }
+  /// A tooth of an arch: its axis crosses the occlusal plane here.
+  [[nodiscard]] static Vec3 tooth_at(int tooth) {
+    const double angle = (tooth - 6.5) / 6.5 * 0.5 * std::numbers::pi;
+    return {25.0 * std::sin(angle), -20.0 - 43.0 * std::cos(angle), 0.0};
+  }
+  /// Crowns and roots of one jaw; side is 1 for the upper, -1 for the lower one.
+  [[nodiscard]] static double teeth(const Vec3& p, double side) {
+    const Vec3 q(p.x(), p.y(), side * p.z());
+    double depth = -50.0;
+    for (int tooth = 0; tooth < 14; ++tooth) {
+      const Vec3 at = tooth_at(tooth), up = Vec3::UnitZ();
+      const double crown = capsule(q, at - 4.0 * up, at + 6.0 * up, 3.3);
+      const double root = capsule(q, at + 6.0 * up, at + 18.0 * up, 2.2);
+      depth = std::max({depth, std::min(crown, q.z()), root});
+    }
+    return depth;
+  }
+  [[nodiscard]] static double ridge(const Vec3& p, double side) {
+    double depth = -50.0;
+    for (int tooth = 0; tooth < 13; ++tooth)
+      for (const double z : {14.0, 20.0}) {
+        const Vec3 up = side * z * Vec3::UnitZ();
+        depth = std::max(depth, capsule(p, tooth_at(tooth) + up, tooth_at(tooth + 1) + up, 5.0));
+      }
+    return depth;
+  }
+  [[nodiscard]] static double skull(const Vec3& p) {
+    const double shell = 4.0 - std::abs((p - Vec3(0, 20, 85)).norm() - 65.0);
+    double depth = std::max({shell, ridge(p, 1.0), teeth(p, 1.0)});
+    for (const double x : {-1.0, 1.0}) {
+      depth = std::max(depth, capsule(p, {22 * x, -45, 20}, {28 * x, -32, 52}, 5.0));
+      depth = std::max(depth, 8.0 - (p - Vec3(47 * x, 18, 48)).norm());  // Above the condyle.
+    }
+    return depth;
+  }
+  [[nodiscard]] double mandible(const Vec3& p_L) const {
+    if (!has_mandible) return -50.0;
+    const Vec3 p = p_L + opening_mm * Vec3::UnitZ();
+    double depth = std::max(ridge(p, -1.0), teeth(p, -1.0));
+    for (const double x : {-1.0, 1.0}) {
+      depth = std::max(depth, capsule(p, {25 * x, -20, -18}, {44 * x, 14, -18}, 5.5));
+      depth = std::max(depth, capsule(p, {44 * x, 14, -18}, {47 * x, 18, 28}, 4.0));
+      depth = std::max(depth, 6.5 - (p - Vec3(47 * x, 18, 34)).norm());  // Touches the skull.
+    }
+    return depth;
+  }
+  /// Teeth of the lower jaw if `lower`, else of the upper one.
+  [[nodiscard]] double teeth_of(const Vec3& p, bool lower) const {
+    return lower ? has_mandible ? teeth(p + opening_mm * Vec3::UnitZ(), -1.0) : -50.0
+                 : teeth(p, 1.0);
+  }
+  /// From L to the frame of the formulas.
+  [[nodiscard]] Vec3 untilted(const Vec3& p_L) const {
+    return Eigen::AngleAxisd(-pitch_deg * std::numbers::pi / 180.0, Vec3::UnitX()) * p_L;
+  }
+  [[nodiscard]] double hu(const Vec3& p) const {
+    const auto fraction = [&](double d) { return std::clamp(0.5 + d / voxel_mm, 0.0, 1.0); };
+    const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
+    const double head = 100.0 - (p - Vec3(0, 20, 40)).norm();
+    double value = mix(-1000.0, kSoft_hu, fraction(head));
+    const double lower = mandible(p);
+    value = mix(value, kBone_hu, fraction(std::max(skull(p), lower)));
+    for (const bool is_lower : {false, true}) {
+      const double tooth = teeth_of(p, is_lower);
+      const double height = is_lower ? -p.z() - opening_mm : p.z();
+      const bool enamel = height < 9.0 && tooth < 1.5;
+      value = mix(value, enamel ? enamel_hu : std::min(kDentin_hu, enamel_hu), fraction(tooth));
+    }
+    return value;
+  }
+  [[nodiscard]] image::Grid grid() const {
+    const auto voxels = [&](double mm) { return Index(mm / voxel_mm); };
+    return {{voxels(170.0), voxels(190.0), voxels(230.0)},
+            Vec3::Constant(voxel_mm),
+            {-85.0, -95.0, -70.0},
+            Mat3::Identity()};
+  }
+  /// Calls visit(offset, point in the frame of the formulas) for each voxel.
+  template <class Visit>
+  void for_each_voxel(const Visit& visit) const {
+    const image::Grid all = grid();
+    for (Index k = 0; k < all.size[2]; ++k)
+      for (Index j = 0; j < all.size[1]; ++j)
+        for (Index i = 0; i < all.size[0]; ++i)
+          visit(std::size_t(all.offset(i, j, k)),
+                untilted(all.point_L({double(i), double(j), double(k)})));
+  }
+  [[nodiscard]] image::CtVolume scan() const {
+    image::CtVolume ct{grid(), {}};
+    ct.values.resize(std::size_t(ct.grid.voxel_count()));
+    for_each_voxel(
+        [&](std::size_t v, const Vec3& p) { ct.values[v] = std::int16_t(std::lround(hu(p))); });
+    return ct;
+  }
+};
+
+}  // namespace lefort::test
