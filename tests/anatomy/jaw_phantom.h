@@ -9,13 +9,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace lefort::test {
 
 /// Depths are signed distances [mm], positive inside; the occlusal plane is z = 0 before the head is
 /// tilted.
 struct JawPhantom {
-  double voxel_mm = 0.9;
+  double voxel_mm = 1.3;
   double pitch_deg = 0.0;   ///< Rotation of the head about x.
   double opening_mm = 0.0;  ///< Distance of the jaws: mandible and teeth are lowered by it.
   double enamel_hu = 2300.0;
@@ -82,16 +83,15 @@ struct JawPhantom {
   [[nodiscard]] Vec3 untilted(const Vec3& p_L) const {
     return Eigen::AngleAxisd(-pitch_deg * std::numbers::pi / 180.0, Vec3::UnitX()) * p_L;
   }
-  [[nodiscard]] double hu(const Vec3& p) const {
+  /// CT number at a point with these depths in skull, mandible, upper and lower teeth.
+  [[nodiscard]] double hu(const Vec3& p, const std::array<float, 4>& depth) const {
     const auto fraction = [&](double d) { return std::clamp(0.5 + d / voxel_mm, 0.0, 1.0); };
     const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
-    const double head = 100.0 - (p - Vec3(0, 20, 40)).norm();
-    double value = mix(-1000.0, kSoft_hu, fraction(head));
-    const double lower = mandible(p);
-    value = mix(value, kBone_hu, fraction(std::max(skull(p), lower)));
-    for (const bool is_lower : {false, true}) {
-      const double tooth = teeth_of(p, is_lower);
-      const double height = is_lower ? -p.z() - opening_mm : p.z();
+    double value = mix(-1000.0, kSoft_hu, fraction(100.0 - (p - Vec3(0, 20, 40)).norm()));
+    value = mix(value, kBone_hu, fraction(double(std::max(depth[0], depth[1]))));
+    for (const std::size_t jaw : {2, 3}) {
+      const double tooth = double(depth[jaw]);
+      const double height = jaw == 3 ? -p.z() - opening_mm : p.z();
       const bool enamel = height < 9.0 && tooth < 1.5;
       value = mix(value, enamel ? enamel_hu : std::min(kDentin_hu, enamel_hu), fraction(tooth));
     }
@@ -104,22 +104,26 @@ struct JawPhantom {
             {-85.0, -95.0, -70.0},
             Mat3::Identity()};
   }
-  /// Calls visit(offset, point in the frame of the formulas) for each voxel.
-  template <class Visit>
-  void for_each_voxel(const Visit& visit) const {
-    const image::Grid all = grid();
-    for (Index k = 0; k < all.size[2]; ++k)
-      for (Index j = 0; j < all.size[1]; ++j)
-        for (Index i = 0; i < all.size[0]; ++i)
-          visit(std::size_t(all.offset(i, j, k)),
-                untilted(all.point_L({double(i), double(j), double(k)})));
-  }
-  [[nodiscard]] image::CtVolume scan() const {
-    image::CtVolume ct{grid(), {}};
-    ct.values.resize(std::size_t(ct.grid.voxel_count()));
-    for_each_voxel(
-        [&](std::size_t v, const Vec3& p) { ct.values[v] = std::int16_t(std::lround(hu(p))); });
-    return ct;
+};
+
+/// The scan of a phantom and, for each voxel, the depths in skull, mandible, upper and lower teeth.
+struct JawScan {
+  JawPhantom head;
+  image::CtVolume ct;
+  std::vector<std::array<float, 4>> depth;
+  std::vector<Vec3> point;  ///< In the frame of the formulas.
+
+  explicit JawScan(const JawPhantom& of) : head(of), ct{of.grid(), {}} {
+    const image::Grid& grid = ct.grid;
+    for (Index k = 0; k < grid.size[2]; ++k)
+      for (Index j = 0; j < grid.size[1]; ++j)
+        for (Index i = 0; i < grid.size[0]; ++i) {
+          const Vec3 p = head.untilted(grid.point_L({double(i), double(j), double(k)}));
+          point.push_back(p);
+          depth.push_back({float(JawPhantom::skull(p)), float(head.mandible(p)),
+                           float(head.teeth_of(p, false)), float(head.teeth_of(p, true))});
+          ct.values.push_back(std::int16_t(std::lround(head.hu(p, depth.back()))));
+        }
   }
 };
 

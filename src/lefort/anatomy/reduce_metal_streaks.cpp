@@ -17,9 +17,10 @@ constexpr int kMetalStep_hu = 2200;
 constexpr double kMinArea_mm2 = 30.0;
 // How far bone, teeth, skin and air may lie beyond their place in the slices without streaks.
 constexpr double kReach_mm = 3.0;
-// Soft tissue is plausible everywhere in the head.
+// Soft tissue is plausible also this far beyond tissue, as lips, nose and ears differ from slice to
+// slice.
+constexpr double kSoftReach_mm = 8.0;
 constexpr std::int16_t kSoftTissue_hu = 100;
-constexpr std::int16_t kClearedAir_hu = -1000;
 // Further slices are no evidence of the anatomy.
 constexpr double kMaxGap_mm = 15.0;
 // A dark voxel between as many bright ones is metal whose number exceeded the range of the file.
@@ -119,16 +120,18 @@ struct Limits {
   Slice low, high;
 };
 
-Limits limits_between(const Slice& below, const Slice& above, double bone_hu) {
+Limits limits_between(const Slice& below, const Slice& above, double bone_hu, double skin_hu) {
   Slice least = below, most = below;
   for (std::size_t n = 0; n < least.values.size(); ++n) {
     least.values[n] = std::min(below.values[n], above.values[n]);
     most.values[n] = std::max(below.values[n], above.values[n]);
   }
   Limits limits{min_over_disk(least, kReach_mm), max_over_disk(most, kReach_mm)};
+  const Slice tissue = max_over_disk(most, kSoftReach_mm);
   for (std::size_t n = 0; n < least.values.size(); ++n) {
     if (double(least.values[n]) >= bone_hu) limits.low.values[n] = least.values[n];
-    limits.high.values[n] = std::max(limits.high.values[n], kSoftTissue_hu);
+    if (double(tissue.values[n]) >= skin_hu)
+      limits.high.values[n] = std::max(limits.high.values[n], kSoftTissue_hu);
   }
   return limits;
 }
@@ -144,15 +147,6 @@ void restore_wrapped_metal(Slice& slice) {
           if (stored.at(x + a, y + b) - stored.at(x, y) > kMetalStep_hu) ++bright;
       if (bright >= kWrappedNeighbors) slice.at(x, y) = kMetal_hu;
     }
-}
-
-/// Sets tissue to air that an opening over a disk removes.
-void remove_thin_tissue(Slice& slice, double skin_hu) {
-  Slice tissue = slice;
-  for (std::int16_t& value : tissue.values) value = double(value) >= skin_hu ? 1 : 0;
-  const Slice body = max_over_disk(min_over_disk(tissue, kReach_mm), kReach_mm);
-  for (std::size_t n = 0; n < slice.values.size(); ++n)
-    if (tissue.values[n] != 0 && body.values[n] == 0) slice.values[n] = kClearedAir_hu;
 }
 
 }  // namespace
@@ -172,14 +166,13 @@ StreakReduction reduce_metal_streaks(const image::CtVolume& ct, double bone_hu, 
     const double gap_mm = double(end - first + 1) * slices.spacing_mm();
     if (is_between && gap_mm <= 2.0 * kMaxGap_mm) {
       const Limits limits =
-          limits_between(slices.read(ct, first - 1), slices.read(ct, end), bone_hu);
+          limits_between(slices.read(ct, first - 1), slices.read(ct, end), bone_hu, skin_hu);
       for (Index k = first; k < end; ++k) {
         Slice slice = slices.read(ct, k);
         restore_wrapped_metal(slice);
         for (std::size_t n = 0; n < slice.values.size(); ++n)
           slice.values[n] =
               std::clamp(slice.values[n], limits.low.values[n], limits.high.values[n]);
-        remove_thin_tissue(slice, skin_hu);
         slices.for_each(
             k, [&](std::size_t n, std::size_t v) { result.ct.values[v] = slice.values[n]; });
         ++result.slices;

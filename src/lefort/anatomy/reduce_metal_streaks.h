@@ -21,7 +21,7 @@ struct StreakReduction {
 /// the two closest slices without streaks within 3 mm, their dilation and erosion
 /// (\cite serra1982). So bone, teeth, skin and air may move by this from slice to slice, and a
 /// streak further from them is removed. Bone that both slices show remains bone, also where a
-/// streak is dark. An opening removes thin streaks outside the skin.
+/// streak is dark. Soft tissue may lie up to 8 mm further: lips, nose and ears.
 ///
 /// The image domain is corrected because scans are stored without their projections, which the
 /// interpolation of \cite kalender1987 needs.

@@ -39,21 +39,42 @@ image::CtVolume max_over_box(image::CtVolume values) {
   return values;
 }
 
-/// What a bone voxel becomes: its own tissue if no face neighbor is soft tissue or brain.
-Tissue without_border(const LabelMap& labels, const std::array<Index, 3>& at) {
-  const std::array<Index, 3> stride{1, labels.grid.size[0],
-                                    labels.grid.size[0] * labels.grid.size[1]};
-  const auto v = std::size_t(labels.grid.offset(at[0], at[1], at[2]));
-  Tissue tissue = labels.values[v];
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const Index side : {-1, 1}) {
-      if (at[axis] + side < 0 || at[axis] + side >= labels.grid.size[axis]) continue;
-      const Tissue other = labels.values[std::size_t(Index(v) + side * stride[axis])];
-      if (other == Tissue::kBrain) return Tissue::kBrain;
-      if (!is_bone(other)) tissue = Tissue::kSoftTissue;
+/// Labels and CT numbers of the box around the bone.
+struct BoneBox {
+  const image::CtVolume& ct;
+  LabelMap labels;
+
+  /// Whether bone of at least `min_hu` lies within kDensest_mm from a voxel, straight ahead and with
+  /// no gap.
+  [[nodiscard]] bool rises(std::array<Index, 3> at, std::size_t axis, Index side,
+                           double min_hu) const {
+    const double spacing_mm = labels.grid.spacing_mm[Index(axis)];
+    const Index steps = std::max<Index>(1, Index(std::lround(kDensest_mm / spacing_mm)));
+    for (Index step = 0; step < steps; ++step) {
+      at[axis] += side;
+      if (at[axis] < 0 || at[axis] >= labels.grid.size[axis]) return false;
+      if (!is_bone(labels.at(at[0], at[1], at[2]))) return false;
+      if (double(ct.at(at[0], at[1], at[2])) >= min_hu) return true;
     }
-  return tissue;
-}
+    return false;
+  }
+  /// What a bone voxel below `min_hu` becomes: soft tissue or brain if it lies between that and
+  /// denser bone along an axis. Thin bone does not.
+  [[nodiscard]] Tissue without_border(const std::array<Index, 3>& at, double min_hu) const {
+    Tissue tissue = labels.at(at[0], at[1], at[2]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const Index side : {-1, 1}) {
+        std::array<Index, 3> beside = at;
+        beside[axis] += side;
+        if (beside[axis] < 0 || beside[axis] >= labels.grid.size[axis]) continue;
+        const Tissue other = labels.at(beside[0], beside[1], beside[2]);
+        if (is_bone(other) || !rises(at, axis, -side, min_hu)) continue;
+        if (other == Tissue::kBrain) return Tissue::kBrain;
+        tissue = Tissue::kSoftTissue;
+      }
+    return tissue;
+  }
+};
 
 /// Makes all of the mandible soft tissue that is not connected with its largest component.
 void remove_islands(LabelMap& labels) {
@@ -79,15 +100,16 @@ void sharpen_bone(const image::CtVolume& ct, LabelMap& labels) {
   const int passes =
       std::max(kMinPasses, int(std::ceil(kBlurredBorder_mm / grid.spacing_mm.minCoeff())));
   for (int pass = 0; pass < passes; ++pass) {
-    const LabelMap before = near;
+    const BoneBox before{near_ct, near};
     parallel_for(grid.size[2], [&](Index k) {
       for (Index j = 0; j < grid.size[1]; ++j)
         for (Index i = 0; i < grid.size[0]; ++i) {
           const auto v = std::size_t(grid.offset(i, j, k));
-          if (!is_bone(before.values[v])) continue;
+          if (!is_bone(near.values[v])) continue;
           const double max_hu = std::min(double(densest.values[v]), kMaxTissue_hu);
-          if (double(near_ct.values[v]) < 0.5 * (kBesideBone_hu + max_hu))
-            near.values[v] = without_border(before, {i, j, k});
+          const double half_hu = 0.5 * (kBesideBone_hu + max_hu);
+          if (double(near_ct.values[v]) < half_hu)
+            near.values[v] = before.without_border({i, j, k}, half_hu);
         }
     });
   }

@@ -10,11 +10,10 @@ namespace lefort::anatomy {
 /// Removes the blurred border of dense bone, which a threshold below half its density includes.
 ///
 /// The border of a bone lies where the CT number is halfway between those of both sides
-/// (\cite prevrhal1999): a voxel at the border of the labeled bone remains bone if its number is at
-/// least the mean of soft tissue and of the densest bone within
-/// 1.5 mm. Thin bone is nowhere dense, so
-/// it remains. A voxel that is removed becomes brain if it has a neighbor in the brain, else soft
-/// tissue. Islands of the mandible that this leaves become soft tissue.
+/// (\cite prevrhal1999): a voxel between other tissue and denser bone remains bone if its number is
+/// at least the mean of soft tissue and of the densest bone within 1.5 mm. Thin bone does not lie
+/// before denser bone, so it remains. A voxel that is removed becomes brain if the other tissue is
+/// brain, else soft tissue. Islands of the mandible that this leaves become soft tissue.
 ///
 /// \param ct       the scan.
 /// \param labels   changed. \pre on the grid of `ct`.
