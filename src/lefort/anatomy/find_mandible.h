@@ -6,17 +6,17 @@
 
 namespace lefort::anatomy {
 
-/// The voxels of `bone` that are the mandible; empty if the scan does not contain it, or if it
-/// cannot be separated from the skull.
+/// The mandible with its teeth and marrow; empty if the scan does not contain it, or if it cannot
+/// be separated from the skull.
 ///
-/// A marker-controlled watershed (\cite vincent1991). Markers are the components of bone that
-/// remain after removing voxels of low density and an erosion, from the weakest to the strongest of
-/// a list of both. The marker of the mandible is the largest component except the skull that has at
-/// least the size, width and depth of a mandible, the height of its rami, and lies as a mandible:
-/// as far to the front as the skull (vertebrae do not), in its middle (clavicles do not), and up to
-/// it. The hyoid bone is smaller. It and the largest marker, the skull, then grow, thick and dense
-/// bone first, so that they meet in the joint and at the occlusion. The result is one component of
-/// 10 to 150 ml, teeth included.
+/// A component of bone that has the size of a mandible and lies as one is the mandible. Else a
+/// marker-controlled watershed (\cite vincent1991) separates it. Markers are the body of the
+/// mandible, which is the largest wide component below the occlusal plane (find_occlusal_planes.h),
+/// and three parts of the skull: the maxilla above the plane, what lies above the joints, and what
+/// lies behind them. The markers keep 5 mm from the plane. Both grow, thick bone first, so that
+/// they meet at the narrowest cross-sections: in the joints and at the occlusion. A joint space is
+/// less dense than bone; the marrow that dense bone encloses is not narrow. The result is one
+/// component of 10 to 150 ml.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone, including marrow. \pre on the grid of `ct`.

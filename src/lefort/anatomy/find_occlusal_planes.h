@@ -31,9 +31,9 @@ struct OcclusalPlane {
 ///
 /// Gap valley detection (\cite jain2004) in three dimensions: the density of bone is summed over
 /// planes through the column of the dental arches; the gap is the deepest valley of the sums along
-/// the normal. Pitch and roll of the planes are varied, as the head may be tilted. Teeth in occlusion
-/// leave no gap; so the first plane, if there is enamel, is the least-squares plane through it:
-/// crowns of both jaws lie on both sides of it.
+/// the normal. Pitch and roll of the planes are varied, as the head may be tilted. Teeth in
+/// occlusion leave no gap; so the first plane, if there is enamel, is the least-squares plane
+/// through it: crowns of both jaws lie on both sides of it.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone. \pre on the grid of `ct`.

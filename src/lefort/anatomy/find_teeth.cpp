@@ -103,7 +103,8 @@ struct JawBox {
   }
 };
 
-/// The crowns: what is denser than the border of a tooth close to the plane, and connected with enamel or metal.
+/// The crowns: what is denser than the border of a tooth close to the plane, and connected with
+/// enamel or metal.
 Mask crowns_of(const JawBox& box) {
   const Components parts = connected_components(
       mask_where(box.jaw.grid,

@@ -44,8 +44,8 @@ struct BoneBox {
   const image::CtVolume& ct;
   LabelMap labels;
 
-  /// Whether bone of at least `min_hu` lies within kDensest_mm from a voxel, straight ahead and with
-  /// no gap.
+  /// Whether bone of at least `min_hu` lies within kDensest_mm from a voxel, straight ahead and
+  /// with no gap.
   [[nodiscard]] bool rises(std::array<Index, 3> at, std::size_t axis, Index side,
                            double min_hu) const {
     const double spacing_mm = labels.grid.spacing_mm[Index(axis)];
