@@ -6,22 +6,17 @@
 
 namespace lefort::anatomy {
 
-/// The voxels of `bone` that are the mandible; empty if the scan does not contain it, or if it
-/// cannot be separated from the skull.
+/// The mandible with its teeth and marrow; empty if the scan does not contain it, or if it cannot
+/// be separated from the skull.
 ///
-/// If a connected component of bone has size and position of a mandible, that is the result.
-/// Otherwise: a marker-controlled watershed (\cite vincent1991). Voxels of low density are removed
-/// and the rest is eroded, both in steps from weak to strong, until a component has size and
-/// position of a mandible. The largest of these, except the skull, is the marker of the mandible:
-///
-///   - size: at least the volume, width and depth of a mandible. After more than the weakest
-///     erosion, also the height of the rami. The hyoid bone is smaller.
-///   - position: below the center of the skull and up to it; in its middle (clavicles are not); its
-///     front in the anterior part of the length of the skull (vertebrae lie behind it).
-///
-/// This marker and the largest one, the skull, then grow, thick and dense bone first, so that they
-/// meet in the temporomandibular joint and at the occlusion. The result is one component of 10 to
-/// 150 ml, teeth included.
+/// A component of bone that has the size of a mandible and lies as one is the mandible. Else a
+/// marker-controlled watershed (\cite vincent1991) separates it. Markers are the body of the
+/// mandible, which is the largest wide component below the occlusal plane (find_occlusal_planes.h),
+/// and three parts of the skull: the maxilla above the plane, what lies above the joints, and what
+/// lies behind them. The markers keep 5 mm from the plane. Both grow, thick bone first, so that
+/// they meet at the narrowest cross-sections: in the joints and at the occlusion. A joint space is
+/// less dense than bone; the marrow that dense bone encloses is not narrow. The result is one
+/// component of 10 to 150 ml.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone, including marrow. \pre on the grid of `ct`.

@@ -5,6 +5,7 @@
 #include <lefort/anatomy/find_patient.h>
 #include <lefort/anatomy/partial_volume_air.h>
 #include <lefort/anatomy/segment_tissue.h>
+#include <lefort/anatomy/sharpen_bone.h>
 
 #include <fmt/format.h>
 
@@ -158,6 +159,8 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   mark(mandible, Tissue::kMandible);
   mark(air.airway, Tissue::kAirway);
   mark(air.sinus, Tissue::kSinus);
+  // Without the mandible the threshold alone decides.
+  if (voxel_count(mandible) > 0) sharpen_bone(ct, labels);
   progress.report(1.0);
   return labels;
 }

@@ -318,6 +318,13 @@ Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) 
   return write_labels(target, labels, segments);
 }
 
+Result<void> write_teeth(const fs::path& target, const anatomy::ToothMap& teeth) {
+  std::vector<WrittenSegment> segments;
+  for (const anatomy::ToothStyle& style : anatomy::kToothStyles)
+    segments.push_back({style.name, static_cast<int>(style.tooth), style.color});
+  return write_labels(target, teeth, segments);
+}
+
 Result<void> write_boundary_labels(const fs::path& target,
                                    const predict::BoundaryLabelMap& painted) {
   std::vector<WrittenSegment> segments;

@@ -2,6 +2,7 @@
 /// Label maps in `.seg.nrrd`, the segmentation file of 3D Slicer, with names and colors.
 #pragma once
 
+#include <lefort/anatomy/find_teeth.h>
 #include <lefort/anatomy/label_map.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
@@ -49,6 +50,15 @@ namespace lefort::io {
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());
+
+/// Writes the teeth atomically, with one segment per jaw: anatomy::kToothStyles. They are a file of
+/// their own because a tooth is bone of its jaw in the label map.
+///
+/// \param target  ends in .seg.nrrd.
+/// \param teeth   to write.
+/// \returns as write_segmentation().
+[[nodiscard]] Result<void> write_teeth(const std::filesystem::path& target,
+                                       const anatomy::ToothMap& teeth);
 
 /// Writes the labels painted on the tissue boundary atomically, with one segment per label of
 /// predict::kBoundaryLabelStyles.

@@ -1,4 +1,5 @@
 #include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/reduce_metal_streaks.h>
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/anatomy/tissue_volumes.h>
 #include <lefort/io/import_volume.h>
@@ -45,6 +46,9 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
   LEFORT_TRY(io::ImportedVolume scan, io::import_volume(ct_path, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
   std::string ct_sha256 = io::Sha256().add(scan.ct).hex();
+  scan.ct =
+      anatomy::reduce_metal_streaks(scan.ct, plan.segmentation.bone_hu, plan.segmentation.skin_hu)
+          .ct;
   LEFORT_TRY(anatomy::LabelMap labels, find_labels(plan, scan.ct, ct_sha256, cache, progress));
 
   progress.begin_stage("extract surfaces");

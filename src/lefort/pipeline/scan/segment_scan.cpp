@@ -1,5 +1,7 @@
 #include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/find_teeth.h>
 #include <lefort/anatomy/histogram_thresholds.h>
+#include <lefort/anatomy/reduce_metal_streaks.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/anatomy/tissue_volumes.h>
 #include <lefort/io/import_volume.h>
@@ -13,12 +15,42 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lefort::pipeline {
+namespace {
+
+/// Reduces metal streaks in place; returns the number of slices with streaks.
+Index reduce_streaks(image::CtVolume& ct, const anatomy::SegmentationOptions& options,
+                     Progress& progress) {
+  anatomy::StreakReduction reduced =
+      anatomy::reduce_metal_streaks(ct, options.bone_hu, options.skin_hu);
+  if (reduced.slices > 0)
+    progress.note(fmt::format("{} slices have metal streaks; they are reduced", reduced.slices));
+  ct = std::move(reduced.ct);
+  return reduced.slices;
+}
+
+/// Adds the volumes of all tissues and of the teeth.
+void add_volumes(const anatomy::LabelMap& labels, const anatomy::ToothMap& teeth,
+                 Summary& summary) {
+  auto volumes = anatomy::tissue_volumes_ml(labels);
+  for (const auto& [tooth, name, color] : anatomy::kToothStyles) {
+    const auto voxels = std::count(teeth.values.begin(), teeth.values.end(), tooth);
+    volumes.emplace_back(name, double(voxels) * teeth.grid.spacing_mm.prod() * 1e-3);
+  }
+  for (const auto& [name, volume_ml] : volumes) {
+    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
+    summary.json["volumes_ml"][name] = volume_ml;
+  }
+}
+
+}  // namespace
 
 Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
   StageTimer progress(shown);
   progress.begin_stage("import");
-  LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(job.ct, progress));
+  LEFORT_TRY(io::ImportedVolume scan, io::import_volume(job.ct, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
@@ -30,9 +62,11 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
     options.bone_hu = found.bone_hu;
     options.skin_hu = found.skin_hu;
   }
+  const Index streaks = reduce_streaks(scan.ct, options, progress);
   LEFORT_TRY(const anatomy::LabelMap labels,
              job.labels ? io::read_segmentation(*job.labels, scan.ct.grid, progress)
                         : anatomy::segment_tissue(scan.ct, options, progress));
+  const anatomy::ToothMap teeth = anatomy::find_teeth(scan.ct, labels, options.bone_hu);
   const anatomy::LevelOptions levels{.bone_hu = options.bone_hu, .skin_hu = options.skin_hu};
   const double voxel_mm = scan.ct.grid.spacing_mm.minCoeff();
   const auto surface_of = [&](const image::ScalarVolume& level) -> Result<mesh::FinishedSurface> {
@@ -49,6 +83,7 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
 
   progress.begin_stage("write");
   LEFORT_TRY_VOID(io::write_segmentation(job.output / "labels.seg.nrrd", labels));
+  LEFORT_TRY_VOID(io::write_teeth(job.output / "teeth.seg.nrrd", teeth));
   LEFORT_TRY_VOID(io::write_surface(job.output / "skull.vtp", skull.mesh_L));
   LEFORT_TRY_VOID(io::write_surface(job.output / "skin.vtp", skin.mesh_L));
 
@@ -60,11 +95,9 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
                   {"skull", json_of(skull)},
                   {"skin", json_of(skin)},
                   {"seconds", progress.seconds_json()},
+                  {"slices_with_streaks", streaks},
                   {"peak_memory_mb", peak_memory_mb()}};
-  for (const auto& [name, volume_ml] : anatomy::tissue_volumes_ml(labels)) {
-    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
-    summary.json["volumes_ml"][name] = volume_ml;
-  }
+  add_volumes(labels, teeth, summary);
   return summary;
 }
 

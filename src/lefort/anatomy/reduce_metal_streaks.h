@@ -1,0 +1,35 @@
+/// \file
+/// Reduces the streaks that metal causes in a CT scan.
+#pragma once
+
+#include <lefort/image/volume.h>
+
+namespace lefort::anatomy {
+
+/// A scan with fewer streaks.
+struct StreakReduction {
+  image::CtVolume ct;  ///< The scan itself if no slice has streaks.
+  Index slices = 0;    ///< Number of changed slices.
+};
+
+/// Limits the CT numbers of slices with metal streaks to what the closest slices without streaks
+/// make plausible.
+///
+/// Streaks lie in the plane in which a CT scanner measures, so the slices above and below the metal
+/// show the same anatomy without them. A slice has streaks if neighboring voxels differ by more
+/// than any tissue does within the resolution of a scanner. Its numbers are limited to the range of
+/// the two closest slices without streaks within 3 mm, their dilation and erosion
+/// (\cite serra1982). So bone, teeth, skin and air may move by this from slice to slice, and a
+/// streak further from them is removed. Bone that both slices show remains bone, also where a
+/// streak is dark. Soft tissue may lie up to 8 mm further: lips, nose and ears.
+///
+/// The image domain is corrected because scans are stored without their projections, which the
+/// interpolation of \cite kalender1987 needs.
+///
+/// \param ct       a scan; slices are those across the axis of the grid closest to the patient's.
+/// \param bone_hu  threshold of bone.
+/// \param skin_hu  threshold of the patient.
+[[nodiscard]] StreakReduction reduce_metal_streaks(const image::CtVolume& ct, double bone_hu,
+                                                   double skin_hu);
+
+}  // namespace lefort::anatomy
