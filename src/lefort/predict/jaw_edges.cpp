@@ -91,10 +91,11 @@ std::vector<OppositeEdges> opposite_edges(const anatomy::LabelMap& labels, const
   return both;
 }
 
+constexpr std::size_t kMinCells = 30;  ///< With fewer, the plane is horizontal.
+
 /// Slope of the middle between opposite edges, from the medians of its anterior and posterior
 /// thirds: single cells may be artifacts of metal.
 double occlusal_slope(std::vector<OppositeEdges> cells) {
-  constexpr std::size_t kMinCells = 30;
   if (cells.size() < kMinCells) return 0.0;
   std::stable_sort(cells.begin(), cells.end(),
                    [](const OppositeEdges& a, const OppositeEdges& b) { return a.y_mm < b.y_mm; });
@@ -190,7 +191,16 @@ std::optional<DentalArches> find_dental_arches(const anatomy::LabelMap& labels,
   if (front_y_mm.empty()) return std::nullopt;
   DentalArches arches;
   arches.first_y_mm = median_of(front_y_mm);
-  arches.slope = occlusal_slope(opposite_edges(labels, edges, arches.first_y_mm));
+  const std::vector<OppositeEdges> cells = opposite_edges(labels, edges, arches.first_y_mm);
+  arches.slope = occlusal_slope(cells);
+  arches.first_z_mm = edges.middle_z_mm();
+  if (cells.size() >= kMinCells) {
+    std::vector<double> z;
+    for (const OppositeEdges& cell : cells)
+      z.push_back(0.5 * (cell.upper_z_mm + cell.lower_z_mm) -
+                  arches.slope * (cell.y_mm - arches.first_y_mm));
+    arches.first_z_mm = median_of(std::move(z));
+  }
   const double half_gap_mm = 0.5 * (edges_z_mm[1] - edges_z_mm[0]) + kCrown_mm;
   const auto count = std::size_t(kArchDepth_mm);
   constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -198,7 +208,7 @@ std::optional<DentalArches> find_dental_arches(const anatomy::LabelMap& labels,
   for_each_bone(labels, [&](const Vec3& p_L, Tissue) {
     const double y_mm = p_L.y() - arches.first_y_mm;
     const auto row = std::lround(y_mm);
-    const double level_mm = edges.middle_z_mm() + arches.slope * y_mm;
+    const double level_mm = arches.first_z_mm + arches.slope * y_mm;
     if (row < 0 || std::size_t(row) >= count || std::abs(p_L.z() - level_mm) > half_gap_mm ||
         std::abs(p_L.x() - edges.middle_x_mm) > kHalfArch_mm)
       return;

@@ -46,6 +46,7 @@ struct DentalArches {
     double right_x_mm = 0.0, left_x_mm = 0.0;
   };
   double first_y_mm = 0.0;  ///< Of the first row: anterior surface of the teeth in the middle.
+  double first_z_mm = 0.0;  ///< Of the occlusal plane at the first row.
   double slope = 0.0;       ///< dz/dy of the occlusal plane, at most 0.36 (20 degrees) either way.
   std::vector<Row> rows;
   [[nodiscard]] double end_y_mm() const { return first_y_mm + double(rows.size()); }

@@ -215,7 +215,7 @@ double OralFissure::level(const Vec3& p_L) const {
 }
 
 double OralFissure::occlusal_z_mm(double y_mm) const {
-  return arches ? edge_z_mm + arches->slope * (y_mm - arches->first_y_mm) : edge_z_mm;
+  return arches ? arches->first_z_mm + arches->slope * (y_mm - arches->first_y_mm) : edge_z_mm;
 }
 
 double OralFissure::extent_in_arches(const Vec3& p_L) const {
