@@ -201,15 +201,15 @@ TEST_P(MortarContact, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
 }
 
 /// The ridge passes between the nodes: over faces, across their edges and through a vertex.
-void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below,
+void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below, double depth_mm,
                                  double stiffness_error) {
   const Patch patch = patch_of(shape);
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
   MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   std::mt19937 generator(3);
-  std::uniform_real_distribution<double> shift_mm(-0.1, 0.1);
+  std::uniform_real_distribution<double> shift_mm(-0.6 * depth_mm, 0.6 * depth_mm);
   for (const double x_mm : {0.45, 0.9}) {
-    below.X_LB.translation() = Vec3(x_mm, 0.013, 0.17);
+    below.X_LB.translation() = Vec3(x_mm, 0.013, depth_mm);
     term.set_pose(0, below.X_LB);
     std::vector<Vec3> x_L = patch.nodes_L;
     for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
@@ -219,12 +219,12 @@ void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below,
 }
 
 TEST_P(MortarContact, SharpPointsHaveTheDerivativesOfTheEnergy) {
-  expect_derivatives_at_ridge(GetParam(), make_ridge(0.5), 1e-4);
+  expect_derivatives_at_ridge(GetParam(), make_ridge(0.5), 0.17, 1e-4);
 }
 
 /// The stiffness lacks the second derivatives of the fade, of second order in the depth.
 TEST_P(MortarContact, SharpPointsNearTheBorderHaveTheForceOfTheEnergy) {
-  expect_derivatives_at_ridge(GetParam(), ridge(), 0.2);
+  expect_derivatives_at_ridge(GetParam(), ridge(), 0.02, 0.02);
 }
 
 TEST_P(MortarContact, UniformDepthOnAFlatBoneIsUniformPressure) {
@@ -312,7 +312,7 @@ TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
   RigidObstacle below = obstacle(tip);
   below.X_LB.translation() = Vec3(0.3, 0.3, -0.5);
   MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
-  double last_mj = 0.0, first_mj = 0.0, largest_jump_mj = 0.0;
+  double last_mj = 0.0, first_mj = 0.0, max_jump_mj = 0.0;
   for (int n = 0; n <= 140; ++n) {
     below.X_LB.translation() = Vec3(0.3 + kStep_mm * n, 0.3 + kStep_mm * n, kDepth_mm);
     term.set_pose(0, below.X_LB);
@@ -320,12 +320,12 @@ TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
     if (n == 0)
       first_mj = energy_mj;
     else
-      largest_jump_mj = std::max(largest_jump_mj, std::abs(energy_mj - last_mj));
+      max_jump_mj = std::max(max_jump_mj, std::abs(energy_mj - last_mj));
     last_mj = energy_mj;
   }
   EXPECT_GT(first_mj, 0.0);
   EXPECT_EQ(last_mj, 0.0);
-  EXPECT_LT(largest_jump_mj, 0.15 * first_mj);
+  EXPECT_LT(max_jump_mj, 0.15 * first_mj);
 }
 
 /// Bone in front of the other side of a thin layer of tissue is behind the faces of this side.
@@ -334,7 +334,8 @@ TEST(MortarContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
   for (const bool is_other_side : {false, true}) {
     RigidObstacle bone = ridge();
     bone.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
-    if (is_other_side) bone.X_LB.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
+    if (is_other_side)
+      bone.X_LB.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
     MortarContactTerm term(patch.nodes_L, patch.faces, {bone},
                            {.stiffness_mpa_per_mm = kStiffness});
     bone.X_LB.translation().z() = 0.2;

@@ -37,18 +37,18 @@ void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>&
     if (triangles.empty()) triangles = triangles_of(patches_[patch], x_L);
     const RigidTransform& X_LB = obstacles_[bone].X_LB;
     const BonePoints& of_bone = points[bone].points;
-    const auto depth = point_depth(
-        patches_[patch], triangles,
-        {X_LB * of_bone.points_B()[v], X_LB.linear() * of_bone.normals_B()[v]}, reach_mm,
-        wants_hessian);
+    const auto depth =
+        point_depth(patches_[patch], triangles,
+                    {X_LB * of_bone.points_B()[v], X_LB.linear() * of_bone.normals_B()[v]},
+                    reach_mm, wants_hessian);
     if (depth && depth->depth_mm > points[bone].rest_depths_mm[v]) f(bone, v, *depth);
   };
   const bool is_noted = &points == &sharp_points_;
   for (std::size_t bone = 0; bone < obstacles_.size(); ++bone) {
     const BonePoints& of_bone = points[bone].points;
     if (of_bone.points_B().empty()) continue;
-    const double moved_mm = is_noted ? moved_since_note_mm(bone, patch, x_L)
-                                     : std::numeric_limits<double>::infinity();
+    const double moved_mm =
+        is_noted ? moved_since_note_mm(bone, patch, x_L) : std::numeric_limits<double>::infinity();
     if (reach_mm + moved_mm < clearances_.points.range_mm()) {
       for (const PointCandidate& near : clearances_.points.of(patch))
         if (near.bone == bone && near.in_front_mm <= moved_mm &&

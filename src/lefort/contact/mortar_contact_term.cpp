@@ -152,10 +152,10 @@ void MortarContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
     for_each_point_behind(
         points, p, positions(patches_[p], nodes_L), false,
         [&](std::size_t bone, std::size_t v, const PointDepth& depth) {
-          at_rest[bone][v] = std::max(at_rest[bone][v],
-                                      depth.depth_mm < reach_mm_[p]
-                                          ? depth.depth_mm
-                                          : std::numeric_limits<double>::infinity());
+          at_rest[bone][v] =
+              std::max(at_rest[bone][v], depth.depth_mm < reach_mm_[p]
+                                             ? depth.depth_mm
+                                             : std::numeric_limits<double>::infinity());
         },
         kRestReach);
   for (std::size_t bone = 0; bone < points.size(); ++bone)
@@ -419,9 +419,9 @@ void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
   });
   std::vector<const BonePoints*> points;
   for (const PointsWithRest& of_bone : sharp_points_) points.push_back(&of_bone.points);
-  now.points = PointCandidates(patches_, faces_, points, obstacles_, x_L,
-                               *std::max_element(reach_mm_.begin(), reach_mm_.end()) +
-                                   kNotedMotion * element_size_mm_);
+  now.points = PointCandidates(
+      patches_, faces_, points, obstacles_, x_L,
+      *std::max_element(reach_mm_.begin(), reach_mm_.end()) + kNotedMotion * element_size_mm_);
   clearances_ = std::move(now);
 }
 

@@ -74,8 +74,8 @@ class MortarContactTerm final : public fem::ForceTerm {
     double stiffness_mpa_per_mm = 0.0;  ///< k > 0; see mortar_stiffness_mpa_per_mm().
     /// Contact snap distance, as ContactTerm::Options.
     double contact_snap_mm = 0.0;
-    /// Whether sharp points have conditions of their own. The tissue mesh must resolve the bone but
-    /// for its edges and tips: more points than nodes over-constrain the faces.
+    /// Whether sharp points have conditions of their own. The tissue mesh must resolve the bone
+    /// except for its edges and tips: more points than nodes over-constrain the faces.
     bool has_sharp_points = true;
   };
 
@@ -97,7 +97,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   void set_active(ActiveSet active) { active_ = std::move(active); }
 
   /// Notes which patches are far from the bones, and which sharp points are near a patch, so that
-  /// evaluate() can skip the others while they have moved little. Does not change any result. Not while the term is being evaluated.
+  /// evaluate() can skip the others while they have moved little. Does not change any result. Not
+  /// while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm]; the bones are at their present poses.
   void note_clearances(std::span<const Vec3> x_L);
 
@@ -137,8 +138,8 @@ class MortarContactTerm final : public fem::ForceTerm {
                                   std::span<const RigidTransform> from_X_LB,
                                   std::span<const Vec3> to_L) const;
 
-  /// Changes the end of a motion that max_motion() does not allow: the nodes of patches through which
-  /// a bone would pass move with this bone instead, until it passes through none.
+  /// Changes the end of a motion that max_motion() does not allow: the nodes of patches through
+  /// which a bone would pass move with this bone instead, until it passes through none.
   /// \param from_L     earlier positions of all nodes [mm].
   /// \param from_X_LB  earlier pose of each bone.
   /// \param to_L       positions of all nodes [mm].
@@ -166,7 +167,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool measure(const NodePatch& patch, std::span<const Vec3> x_L,
                              fem::LocalEquations* local, PatchGap& gap) const;
 
-  /// Bone that would pass through a point of a patch, and the fraction of the motion before it does.
+  /// Bone that would pass through a point of a patch, and the fraction of the motion before that.
   struct Passage {
     double fraction = 1.0;
     std::size_t bone = 0;

@@ -94,8 +94,8 @@ PointCandidates::PointCandidates(const NodePatches& patches, std::span<const mes
     parallel_for(
         Index(faces.size()),
         [&](Index f) {
-          at_faces[std::size_t(f)] = points_at(faces[std::size_t(f)], *points[bone],
-                                               bones[bone].X_LB, x_L, range_mm);
+          at_faces[std::size_t(f)] =
+              points_at(faces[std::size_t(f)], *points[bone], bones[bone].X_LB, x_L, range_mm);
         },
         kFacesPerTask);
     const std::vector<double> in_front = in_front_mm(count, at_faces);

@@ -27,9 +27,9 @@ namespace lefort::contact {
 /// A point near a patch.
 struct PointCandidate {
   std::uint32_t bone = 0;
-  std::uint32_t point = 0;    ///< Its number among the points of the bone.
-  double distance_mm = 0.0;   ///< d, to the closest face of the patch.
-  double in_front_mm = 0.0;   ///< f, to the closest of all faces; 0 if it may lie behind them.
+  std::uint32_t point = 0;   ///< Its number among the points of the bone.
+  double distance_mm = 0.0;  ///< d, to the closest face of the patch.
+  double in_front_mm = 0.0;  ///< f, to the closest of all faces; 0 if it may lie behind them.
 };
 
 /// Candidates of all patches at one state. Immutable.

@@ -81,7 +81,8 @@ using ShapeGradients = std::array<std::array<Vec3, 3>, 3>;
 void set_fade(const PatchTriangle& corners, const FeatureCorners& of,
               const std::array<double, 3>& N, const ShapeGradients& dN, PointDepth& depth) {
   std::array<double, 3> in_triangle{};
-  for (int c = 0; c < of.count; ++c) in_triangle[std::size_t(of.at[std::size_t(c)])] = N[std::size_t(c)];
+  for (int c = 0; c < of.count; ++c)
+    in_triangle[std::size_t(of.at[std::size_t(c)])] = N[std::size_t(c)];
   const FromBorder border(corners, in_triangle);
   const double t = std::clamp(border.eta / kFadeWidth, 0.0, 1.0);
   depth.fade = t * t * (3.0 - 2.0 * t);
@@ -113,8 +114,7 @@ ShapeGradients shape_gradients(const PatchTriangle& corners, const FeatureCorner
     const Vec3 n = corners.normal().normalized();
     const std::array<Vec3, 3> a = surface_gradients(corners, n);
     for (std::size_t b = 0; b < 3; ++b)
-      for (std::size_t c = 0; c < 3; ++c)
-        dN[b][c] = -r.norm() * a[b].dot(a[c]) * n - N[c] * a[b];
+      for (std::size_t c = 0; c < 3; ++c) dN[b][c] = -r.norm() * a[b].dot(a[c]) * n - N[c] * a[b];
   } else if (of.count == 2) {
     const Vec3 e = corners.x_L[std::size_t(of.at[1])] - corners.x_L[std::size_t(of.at[0])];
     for (std::size_t c = 0; c < 2; ++c) {
@@ -226,8 +226,8 @@ std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const 
 }
 
 std::optional<PointDepth> point_depth(const NodePatch& patch,
-                                      std::span<const PatchTriangle> triangles,
-                                      const BonePoint& v, double reach_mm, bool wants_hessian) {
+                                      std::span<const PatchTriangle> triangles, const BonePoint& v,
+                                      double reach_mm, bool wants_hessian) {
   const Vec3& v_L = v.p_B;
   geometry::TrianglePoint closest{.point = v_L,
                                   .squared_distance_mm2 = reach_mm * reach_mm,

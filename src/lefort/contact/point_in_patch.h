@@ -76,10 +76,11 @@ inline constexpr double kFadeWidth = 0.4;
 /// \param triangles triangles_of() the patch.
 /// \param v         the point, with the outward normal of its bone.
 /// \param reach_mm  max depth.
-/// \returns the depth; nothing if the point is outside, if its bone lies on the other side of the
-///   tissue (the normals of bone and face do not oppose each other), if it is deeper than `reach_mm`, or
-///   if it is closest to the border of the patch, where its hat function is 0, or to the border of the contact faces, where
-///   its fade is 0.
+/// \returns the depth; nothing
+///   - if the point is outside, or deeper than `reach_mm`,
+///   - if its bone is on the other side of the tissue: its normal does not oppose that of the face,
+///   - if it is closest to the border of the patch, where its hat function is 0, or to the border
+///     of the contact faces, where its fade is 0.
 [[nodiscard]] std::optional<PointDepth> point_depth(const NodePatch& patch,
                                                     std::span<const PatchTriangle> triangles,
                                                     const BonePoint& v, double reach_mm,

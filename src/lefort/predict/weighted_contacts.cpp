@@ -88,8 +88,8 @@ fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& X_
     terms.push_back(&**term);
   }
   set_poses(X_LB);
-  return contact::solve_active_set(terms, tissue_->nodes_L, std::move(active), from,
-                                   max_iterations, solve);
+  return contact::solve_active_set(terms, tissue_->nodes_L, std::move(active), from, max_iterations,
+                                   solve);
 }
 
 }  // namespace lefort::predict
