@@ -42,13 +42,15 @@ RigidObstacle slab() {
 }
 
 /// A box that stands on an edge along y; its uppermost edge is z = 0.
+RigidObstacle make_ridge(double half_length_mm) {
+  geometry::TriangleMesh box = test::make_box({-3, -half_length_mm, -3}, {3, half_length_mm, 3});
+  const Eigen::AngleAxisd turn(0.25 * std::numbers::pi, Vec3::UnitY());
+  for (Vec3& v : box.vertices) v = turn * v - Vec3(0.0, 0.0, 3.0 * std::numbers::sqrt2);
+  return obstacle(std::move(box));
+}
+
 RigidObstacle ridge() {
-  static const RigidObstacle ridge = [] {
-    geometry::TriangleMesh box = test::make_box({-3, -8, -3}, {3, 8, 3});
-    const Eigen::AngleAxisd turn(0.25 * std::numbers::pi, Vec3::UnitY());
-    for (Vec3& v : box.vertices) v = turn * v - Vec3(0.0, 0.0, 3.0 * std::numbers::sqrt2);
-    return obstacle(std::move(box));
-  }();
+  static const RigidObstacle ridge = make_ridge(8.0);
   return ridge;
 }
 
@@ -84,7 +86,9 @@ Evaluated gather(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
   return sum;
 }
 
-void expect_derivatives_of_energy(const MortarContactTerm& term, const std::vector<Vec3>& x_L) {
+/// \param stiffness_error  allowed, as a fraction of the largest stiffness.
+void expect_derivatives_of_energy(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
+                                  double stiffness_error = 1e-4) {
   constexpr double kStep = 1e-6;
   const Evaluated at = gather(term, x_L);
   ASSERT_TRUE(at.is_admissible);
@@ -101,7 +105,7 @@ void expect_derivatives_of_energy(const MortarContactTerm& term, const std::vect
     EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
                   .cwiseAbs()
                   .maxCoeff(),
-              1e-4 * scale)
+              stiffness_error * scale)
         << dof;
   }
 }
@@ -197,21 +201,30 @@ TEST_P(MortarContact, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
 }
 
 /// The ridge passes between the nodes: over faces, across their edges and through a vertex.
-TEST_P(MortarContact, SharpPointsHaveTheDerivativesOfTheEnergy) {
-  const Patch patch = patch_of(GetParam());
-  RigidObstacle below = ridge();
+void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below, double depth_mm,
+                                 double stiffness_error) {
+  const Patch patch = patch_of(shape);
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
   MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   std::mt19937 generator(3);
-  std::uniform_real_distribution<double> shift_mm(-0.1, 0.1);
+  std::uniform_real_distribution<double> shift_mm(-0.6 * depth_mm, 0.6 * depth_mm);
   for (const double x_mm : {0.45, 0.9}) {
-    below.X_LB.translation() = Vec3(x_mm, 0.013, 0.17);
+    below.X_LB.translation() = Vec3(x_mm, 0.013, depth_mm);
     term.set_pose(0, below.X_LB);
     std::vector<Vec3> x_L = patch.nodes_L;
     for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
-    expect_derivatives_of_energy(term, x_L);
+    expect_derivatives_of_energy(term, x_L, stiffness_error);
     EXPECT_GT(min_eigenvalue(gather(term, x_L, fem::Tangent::kPsdProjected).stiffness), -1e-10);
   }
+}
+
+TEST_P(MortarContact, SharpPointsHaveTheDerivativesOfTheEnergy) {
+  expect_derivatives_at_ridge(GetParam(), make_ridge(0.5), 0.17, 1e-4);
+}
+
+/// The stiffness lacks the second derivatives of the fade, of second order in the depth.
+TEST_P(MortarContact, SharpPointsNearTheBorderHaveTheForceOfTheEnergy) {
+  expect_derivatives_at_ridge(GetParam(), ridge(), 0.02, 0.02);
 }
 
 TEST_P(MortarContact, UniformDepthOnAFlatBoneIsUniformPressure) {
@@ -267,6 +280,106 @@ TEST(MortarContactTerm, NotingClearancesChangesNoResult) {
   }
 }
 
+TEST(MortarContactTerm, NotingClearancesChangesNoResultOfSharpPoints) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle below = ridge();
+  below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
+  MortarContactTerm plain(patch.nodes_L, patch.faces, {below},
+                          {.stiffness_mpa_per_mm = kStiffness});
+  MortarContactTerm noted = plain;
+  noted.note_clearances(patch.nodes_L);
+  double energy_mj = 0.0;
+  for (double z = -0.5; z < 0.6; z += 0.1) {
+    below.X_LB.translation().z() = z;
+    plain.set_pose(0, below.X_LB);
+    noted.set_pose(0, below.X_LB);
+    EXPECT_EQ(gather(plain, patch.nodes_L).residual_n, gather(noted, patch.nodes_L).residual_n)
+        << z;
+    energy_mj += gather(plain, patch.nodes_L).energy_mj;
+    EXPECT_EQ(plain.summarize(patch.nodes_L).front().force_L_n,
+              noted.summarize(patch.nodes_L).front().force_L_n);
+  }
+  EXPECT_GT(energy_mj, 1e-3);
+}
+
+/// A tip that slides over the border of the faces loses its contact gradually.
+TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
+  constexpr double kDepth_mm = 0.1, kStep_mm = 0.01;
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  geometry::TriangleMesh tip;
+  tip.vertices = {{0, 0, 0}, {-1.8, -1.8, -6}, {1.8, -1.8, -6}, {0, 2.1, -6}};
+  tip.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+  RigidObstacle below = obstacle(tip);
+  below.X_LB.translation() = Vec3(0.3, 0.3, -0.5);
+  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  double last_mj = 0.0, first_mj = 0.0, max_jump_mj = 0.0;
+  for (int n = 0; n <= 140; ++n) {
+    below.X_LB.translation() = Vec3(0.3 + kStep_mm * n, 0.3 + kStep_mm * n, kDepth_mm);
+    term.set_pose(0, below.X_LB);
+    const double energy_mj = gather(term, patch.nodes_L).energy_mj;
+    if (n == 0)
+      first_mj = energy_mj;
+    else
+      max_jump_mj = std::max(max_jump_mj, std::abs(energy_mj - last_mj));
+    last_mj = energy_mj;
+  }
+  EXPECT_GT(first_mj, 0.0);
+  EXPECT_EQ(last_mj, 0.0);
+  EXPECT_LT(max_jump_mj, 0.15 * first_mj);
+}
+
+/// Bone in front of the other side of a thin layer of tissue is behind the faces of this side.
+TEST(MortarContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  for (const bool is_other_side : {false, true}) {
+    RigidObstacle bone = ridge();
+    bone.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
+    if (is_other_side)
+      bone.X_LB.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
+    MortarContactTerm term(patch.nodes_L, patch.faces, {bone},
+                           {.stiffness_mpa_per_mm = kStiffness});
+    bone.X_LB.translation().z() = 0.2;
+    term.set_pose(0, bone.X_LB);
+    std::vector<Vec3> lifted = patch.nodes_L;  // The weighted gaps are open.
+    const double energy_mj = gather(term, lifted).energy_mj;
+    if (is_other_side)
+      EXPECT_EQ(energy_mj, 0.0);
+    else
+      EXPECT_GT(energy_mj, 0.0);
+  }
+}
+
+TEST(MortarContactTerm, TheAreaOfAFaceCountsWithItsActiveNodesOnly) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle below = slab();
+  below.X_LB.translation().z() = -3.0;
+  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  below.X_LB.translation().z() = 0.0;
+  term.set_pose(0, below.X_LB);
+  std::vector<Vec3> x_L = patch.nodes_L;
+  for (Vec3& x : x_L) x.z() = 0.8;
+  x_L[0].z() = -0.2;  // The node in the middle of all faces.
+  double area_mm2 = 0.0;
+  const NodePatches patches(patch.nodes_L, patch.faces);
+  for (std::size_t n = 0; n < patches.point_count(); ++n) area_mm2 += patches.area_mm2(n);
+  EXPECT_NEAR(term.summarize(x_L).front().area_mm2, area_mm2 / 3.0, 1e-9);
+}
+
+TEST(MortarContactTerm, CarriedNodesAllowAMotionThatWouldPassThroughThem) {
+  const Patch patch = patch_of(mesh::FaceShape::kTri3);
+  RigidObstacle plate = obstacle(test::make_box({-10, -10, -0.6}, {10, 10, 0}));
+  plate.X_LB.translation().z() = -0.2;
+  MortarContactTerm term(patch.nodes_L, patch.faces, {plate}, {.stiffness_mpa_per_mm = kStiffness});
+  const std::vector<RigidTransform> from{plate.X_LB};
+  plate.X_LB.translation().z() = 3.0;
+  term.set_pose(0, plate.X_LB);
+  EXPECT_LT(term.max_motion(patch.nodes_L, from, patch.nodes_L), 1.0);
+  const std::vector<Vec3> carried = term.carried(patch.nodes_L, from, patch.nodes_L);
+  EXPECT_EQ(term.max_motion(patch.nodes_L, from, carried), 1.0);
+  for (std::size_t n = 0; n < carried.size(); ++n)
+    EXPECT_NEAR(carried[n].z() - patch.nodes_L[n].z(), 3.2, 1e-12);
+}
+
 TEST(MortarContactTerm, TwoBonesActAsOneObstacle) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle one = slab(), other = slab();
@@ -304,9 +417,14 @@ TEST(BonePoints, ListsThePointsOfABox) {
   std::mt19937 generator(5);
   std::uniform_real_distribution<double> coordinate(-3.0, 7.0);
   std::vector<Vec3> points;
-  for (int n = 0; n < 400; ++n)
+  std::vector<BonePoint> with_normals;
+  for (int n = 0; n < 400; ++n) {
     points.emplace_back(coordinate(generator), coordinate(generator), coordinate(generator));
-  const BonePoints all(points, 0.1);
+    with_normals.push_back({points.back(), points.back().normalized()});
+  }
+  const BonePoints all(with_normals, 0.1);
+  for (std::size_t n = 0; n < all.size(); ++n)
+    EXPECT_EQ(all.normals_B()[n], all.points_B()[n].normalized());
   const Box3 box(Vec3(-1, 0, 2), Vec3(3, 8, 5));
   std::size_t found = 0, expected = 0;
   all.for_each_in(box, [&](std::size_t n) {

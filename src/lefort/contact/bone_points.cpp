@@ -22,12 +22,7 @@ constexpr int kMaxCells = 64;
 
 constexpr int kDirections = 4;  ///< Tangents +-t that are tried, 45 degrees apart.
 
-struct SurfaceSample {
-  Vec3 p_B;
-  Vec3 normal_B;
-};
-
-bool is_sharp(const SurfaceSample& at, const DistanceQuery& distance_query_B, double h_mm) {
+bool is_sharp(const BonePoint& at, const DistanceQuery& distance_query_B, double h_mm) {
   const Vec3 t1 = at.normal_B.unitOrthogonal(), t2 = at.normal_B.cross(t1);
   std::array<Vec3, 2 * kDirections> around;
   for (int n = 0; n < kDirections; ++n) {
@@ -54,15 +49,8 @@ Vec3 normal_of(const geometry::TriangleMesh& bone, Index triangle) {
 }
 
 /// Vertices, and points inside edges that are longer than the spacing.
-std::vector<SurfaceSample> samples_of(const geometry::TriangleMesh& bone, double spacing_mm) {
-  std::vector<SurfaceSample> samples;
-  std::vector<Vec3> normals(bone.vertices.size(), Vec3::Zero());
-  for (Index t = 0; t < Index(bone.triangles.size()); ++t)
-    for (const std::int32_t v : bone.triangles[std::size_t(t)])
-      normals[std::size_t(v)] += normal_of(bone, t);
-  for (std::size_t v = 0; v < normals.size(); ++v)
-    if (normals[v].squaredNorm() > 0.0 && normals[v].allFinite())
-      samples.push_back({bone.vertices[v], normals[v].normalized()});
+std::vector<BonePoint> samples_of(const geometry::TriangleMesh& bone, double spacing_mm) {
+  std::vector<BonePoint> samples = vertices_of(bone);
   const geometry::EdgeIncidence edges(bone);
   for (std::int32_t v = 0; v < std::int32_t(edges.vertex_count()); ++v)
     edges.for_each_edge_at(
@@ -80,19 +68,36 @@ std::vector<SurfaceSample> samples_of(const geometry::TriangleMesh& bone, double
 
 }  // namespace
 
-BonePoints::BonePoints(std::vector<Vec3> points_B, double spacing_mm)
-    : points_B_(std::move(points_B)), spacing_mm_(spacing_mm) {
+std::vector<BonePoint> vertices_of(const geometry::TriangleMesh& bone_B) {
+  std::vector<BonePoint> vertices;
+  std::vector<Vec3> normals(bone_B.vertices.size(), Vec3::Zero());
+  for (Index t = 0; t < Index(bone_B.triangles.size()); ++t)
+    if (const Vec3 normal = normal_of(bone_B, t); normal.allFinite())
+      for (const std::int32_t v : bone_B.triangles[std::size_t(t)])
+        normals[std::size_t(v)] += normal;
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (normals[v].squaredNorm() > 0.0)
+      vertices.push_back({bone_B.vertices[v], normals[v].normalized()});
+  return vertices;
+}
+
+BonePoints::BonePoints(std::vector<BonePoint> points, double spacing_mm) : spacing_mm_(spacing_mm) {
   LEFORT_CHECK(spacing_mm > 0.0);
-  if (points_B_.empty()) return;
-  for (const Vec3& p_B : points_B_) box_B_.extend(p_B);
+  if (points.empty()) return;
+  for (const BonePoint& at : points) box_B_.extend(at.p_B);
   cell_mm_ = std::max(box_B_.sizes().maxCoeff() / kMaxCells, spacing_mm);
   cells_ = (box_B_.sizes().array() / cell_mm_).floor().cast<int>() + 1;
   const auto cell_number = [&](const Vec3& p_B) {
     const Eigen::Array3i c = cell_of(p_B);
     return number_of(c.x(), c.y(), c.z());
   };
-  std::stable_sort(points_B_.begin(), points_B_.end(),
-                   [&](const Vec3& a, const Vec3& b) { return cell_number(a) < cell_number(b); });
+  std::stable_sort(points.begin(), points.end(), [&](const BonePoint& a, const BonePoint& b) {
+    return cell_number(a.p_B) < cell_number(b.p_B);
+  });
+  for (const BonePoint& at : points) {
+    points_B_.push_back(at.p_B);
+    normals_B_.push_back(at.normal_B);
+  }
   first_.assign(std::size_t(cells_.prod()) + 1, points_B_.size());
   for (std::size_t n = points_B_.size(), cell = first_.size() - 1; cell-- > 0;) {
     while (n > 0 && cell_number(points_B_[n - 1]) >= cell) --n;
@@ -109,15 +114,15 @@ BonePoints sharp_points(const geometry::TriangleMesh& bone_B, const DistanceQuer
                         double element_size_mm) {
   LEFORT_CHECK(element_size_mm > 0.0);
   const double spacing_mm = element_size_mm / kPointsPerElement;
-  const std::vector<SurfaceSample> samples = samples_of(bone_B, spacing_mm);
+  const std::vector<BonePoint> samples = samples_of(bone_B, spacing_mm);
   std::vector<char> sharp(samples.size(), 0);
   parallel_for(Index(samples.size()), [&](Index n) {
     sharp[std::size_t(n)] = is_sharp(samples[std::size_t(n)], distance_query_B, element_size_mm);
   });
-  std::vector<Vec3> points_B;
+  std::vector<BonePoint> points;
   for (std::size_t n = 0; n < samples.size(); ++n)
-    if (sharp[n] != 0) points_B.push_back(samples[n].p_B);
-  return {std::move(points_B), spacing_mm};
+    if (sharp[n] != 0) points.push_back(samples[n]);
+  return {std::move(points), spacing_mm};
 }
 
 }  // namespace lefort::contact

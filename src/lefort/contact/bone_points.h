@@ -21,16 +21,24 @@
 
 namespace lefort::contact {
 
+/// A point on the surface of a bone.
+struct BonePoint {
+  Vec3 p_B;
+  Vec3 normal_B;  ///< Outward, unit length; at edges and vertices the mean of the faces.
+};
+
 /// Points on the surface of a bone, with their search structure. Immutable.
 class BonePoints {
  public:
   BonePoints() = default;
 
-  /// \param points_B    on the surface [mm].
+  /// \param points      on the surface.
   /// \param spacing_mm  between them along an edge, > 0.
-  BonePoints(std::vector<Vec3> points_B, double spacing_mm);
+  BonePoints(std::vector<BonePoint> points, double spacing_mm);
 
+  [[nodiscard]] std::size_t size() const { return points_B_.size(); }
   [[nodiscard]] std::span<const Vec3> points_B() const { return points_B_; }
+  [[nodiscard]] std::span<const Vec3> normals_B() const { return normals_B_; }
   [[nodiscard]] double spacing_mm() const { return spacing_mm_; }
 
   /// Calls f(number) for every point in a box, in an order that depends on the points only.
@@ -52,13 +60,17 @@ class BonePoints {
            std::size_t(cells_.x()) * (std::size_t(y) + std::size_t(cells_.y()) * std::size_t(z));
   }
 
-  std::vector<Vec3> points_B_;  ///< By cell.
+  std::vector<Vec3> points_B_, normals_B_;  ///< By cell.
   double spacing_mm_ = 1.0;
   Box3 box_B_;
   double cell_mm_ = 1.0;
   Eigen::Array3i cells_ = Eigen::Array3i::Ones();
   std::vector<std::size_t> first_;  ///< Of each cell, and the end.
 };
+
+/// \param bone_B  triangles counter-clockwise seen from outside.
+/// \returns its vertices with normals, without those of degenerate triangles only.
+[[nodiscard]] std::vector<BonePoint> vertices_of(const geometry::TriangleMesh& bone_B);
 
 /// \param bone_B           triangles counter-clockwise seen from outside.
 /// \param distance_query_B  of the bone; its range is at least element_size_mm / 8.

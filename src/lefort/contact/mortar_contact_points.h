@@ -5,6 +5,7 @@
 #include <lefort/contact/mortar_contact_term.h>
 #include <lefort/contact/point_in_patch.h>
 
+#include <limits>
 #include <vector>
 
 namespace lefort::contact {
@@ -28,22 +29,39 @@ struct MortarContactTerm::PatchGap {
 template <class Function>
 void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
                                               std::size_t patch, std::span<const Vec3> x_L,
-                                              bool wants_hessian, const Function& f) const {
+                                              bool wants_hessian, const Function& f,
+                                              double reach_factor) const {
+  const double reach_mm = reach_factor * reach_mm_[patch];
+  std::vector<PatchTriangle> triangles;  // Only if there is a point.
+  const auto visit = [&](std::size_t bone, std::size_t v) {
+    if (triangles.empty()) triangles = triangles_of(patches_[patch], x_L);
+    const RigidTransform& X_LB = obstacles_[bone].X_LB;
+    const BonePoints& of_bone = points[bone].points;
+    const auto depth =
+        point_depth(patches_[patch], triangles,
+                    {X_LB * of_bone.points_B()[v], X_LB.linear() * of_bone.normals_B()[v]},
+                    reach_mm, wants_hessian);
+    if (depth && depth->depth_mm > points[bone].rest_depths_mm[v]) f(bone, v, *depth);
+  };
+  const bool is_noted = &points == &sharp_points_;
   for (std::size_t bone = 0; bone < obstacles_.size(); ++bone) {
     const BonePoints& of_bone = points[bone].points;
     if (of_bone.points_B().empty()) continue;
-    const RigidTransform& X_LB = obstacles_[bone].X_LB;
-    const Mat3 R_BL = X_LB.linear().transpose();
+    const double moved_mm =
+        is_noted ? moved_since_note_mm(bone, patch, x_L) : std::numeric_limits<double>::infinity();
+    if (reach_mm + moved_mm < clearances_.points.range_mm()) {
+      for (const PointCandidate& near : clearances_.points.of(patch))
+        if (near.bone == bone && near.in_front_mm <= moved_mm &&
+            near.distance_mm - moved_mm < reach_mm)
+          visit(bone, near.point);
+      continue;
+    }
+    const RigidTransform X_BL = obstacles_[bone].X_LB.inverse();
     Box3 box_B;
-    for (const Vec3& x : x_L) box_B.extend(R_BL * (x - X_LB.translation()));
-    const Vec3 reach = Vec3::Constant(reach_mm_[patch]);
-    std::vector<PatchTriangle> triangles;  // Only if there is a point.
-    of_bone.for_each_in(Box3(box_B.min() - reach, box_B.max() + reach), [&](std::size_t v) {
-      if (triangles.empty()) triangles = triangles_of(patches_[patch], x_L);
-      const auto depth = point_depth(patches_[patch], triangles, X_LB * of_bone.points_B()[v],
-                                     reach_mm_[patch], wants_hessian);
-      if (depth && depth->depth_mm > points[bone].rest_depths_mm[v]) f(bone, v, *depth);
-    });
+    for (const Vec3& x : x_L) box_B.extend(X_BL * x);
+    const Vec3 reach = Vec3::Constant(reach_mm);
+    of_bone.for_each_in(Box3(box_B.min() - reach, box_B.max() + reach),
+                        [&](std::size_t v) { visit(bone, v); });
   }
 }
 

@@ -8,28 +8,35 @@
 
 namespace lefort::contact {
 
-/// Adds dense samples of the faces around active nodes.
+/// Adds dense samples of the faces around active nodes. A sample counts with the hat functions of
+/// these nodes there, so that a face between an active and a free node counts in part, and no area
+/// twice.
 void MortarContactTerm::add_faces(std::span<const Vec3> x_L,
                                   std::vector<ContactStatisticsSum>& sums) const {
   const ActiveSet active = active_set(x_L);
   std::vector<double> pressures_mpa(x_L.size(), 0.0);
   for (std::size_t p = 0; p < patches_.size(); ++p)
     pressures_mpa[std::size_t(patches_[p].node())] = active[p];
-  std::size_t sample = 0;
+  std::size_t sample = 0, number = 0;
   for (const DenseFace& face : dense_faces(faces_, x_L)) {
     const auto nodes = mesh::nodes_of(*face.face);
-    double p_mpa = 0.0;
-    for (const std::int32_t n : nodes)
-      p_mpa += pressures_mpa[std::size_t(n)] / double(nodes.size());
-    for (const Vec3& p_L : face.points_L) {
+    const double area_mm2 = face_areas_mm2_[number++] / double(face.points.size());
+    for (const DensePoint& point : face.points) {
       const double rest_gap_mm = dense_rest_gaps_mm_[sample++];
+      double fraction = 0.0, p_mpa = 0.0;
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        const double p_a_mpa = pressures_mpa[std::size_t(nodes[a])];
+        if (!(p_a_mpa > 0.0)) continue;
+        fraction += point.hat[a];
+        p_mpa += point.hat[a] * p_a_mpa;
+      }
       if (!(p_mpa > 0.0)) continue;
-      const auto [gap, bone] = closest_gap(obstacles_, p_L);
-      sums[bone].add({.area_mm2 = face.area_mm2 / double(face.points_L.size()),
+      const auto [gap, bone] = closest_gap(obstacles_, point.x_L);
+      sums[bone].add({.area_mm2 = fraction * area_mm2,
                       .pressure_mpa = p_mpa,
                       .gradient_L = gap.gradient_L,
                       .gap_mm = gap.gap_mm,
-                      .depth_mm = rest_gap_mm - gap.gap_mm},
+                      .depth_mm = std::max(rest_gap_mm - gap.gap_mm, 0.0)},
                      nodes);
     }
   }
@@ -56,7 +63,8 @@ std::vector<ContactStatistics> MortarContactTerm::summarize(std::span<const Vec3
           Vec3 force_n = Vec3::Zero();
           for (std::size_t c = 0; c < at.corners; ++c)
             force_n -= 2.0 * options_.stiffness_mpa_per_mm * point_area_mm2() * at.weight *
-                       increase_mm * at.gradient_L[c];
+                       increase_mm *
+                       (at.fade * at.gradient_L[c] + 0.5 * increase_mm * at.fade_gradient_L[c]);
           add_force(all[bone], force_n);
         });
     for (const auto* points : {&sharp_points_, &vertices_})

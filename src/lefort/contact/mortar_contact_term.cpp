@@ -55,6 +55,20 @@ constexpr double kMaxGapSlope = 1.1;
 /// bone must not move further.
 constexpr double kReach = 0.5;
 
+/// In the reference configuration, points are searched this many times deeper.
+constexpr double kRestReach = 2.0;
+
+/// Motion for which candidates are noted, as a fraction of the element size.
+constexpr double kNotedMotion = 0.5;
+constexpr double kRounding = 1e-9;
+
+/// Patches are not measured again while they are known to be this far from bones, as a fraction of
+/// the element size.
+constexpr double kRemeasured = 0.25;
+
+/// Rounds of carried(): each carries the neighbors of patches that the one before it carried.
+constexpr int kMaxCarryRounds = 20;
+
 Mat3 positive_part(const Mat3& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(symmetric);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
@@ -97,10 +111,12 @@ MortarContactTerm::MortarContactTerm(std::span<const Vec3> nodes_L, std::vector<
     if (measure(patches_[p], positions(patches_[p], nodes_L), nullptr, gap))
       rest_offsets_mm_[p] = std::min(gap.gap_mm, 0.0);
   }
-  for (const DenseFace& face : dense_faces(faces_, nodes_L))
-    for (const Vec3& p_L : face.points_L)
+  for (const DenseFace& face : dense_faces(faces_, nodes_L)) {
+    face_areas_mm2_.push_back(face.area_mm2);
+    for (const DensePoint& point : face.points)
       dense_rest_gaps_mm_.push_back(
-          rest_gap_of(closest_gap(obstacles_, p_L).first, options_.contact_snap_mm));
+          rest_gap_of(closest_gap(obstacles_, point.x_L).first, options_.contact_snap_mm));
+  }
   find_bone_points(nodes_L);
 }
 
@@ -117,8 +133,9 @@ void MortarContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
     PointsWithRest &sharp = sharp_points_.emplace_back(), &all = vertices_.emplace_back();
     const geometry::TriangleMesh* surface_B = obstacle.distance_query_B->surface_B();
     if (surface_B == nullptr) continue;
-    sharp.points = sharp_points(*surface_B, *obstacle.distance_query_B, element_size_mm_);
-    all.points = BonePoints(surface_B->vertices, element_size_mm_);
+    if (options_.has_sharp_points)
+      sharp.points = sharp_points(*surface_B, *obstacle.distance_query_B, element_size_mm_);
+    all.points = BonePoints(vertices_of(*surface_B), element_size_mm_);
   }
   find_rest_depths(sharp_points_, nodes_L);
   find_rest_depths(vertices_, nodes_L);
@@ -128,14 +145,19 @@ void MortarContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
                                          std::span<const Vec3> nodes_L) const {
   std::vector<std::vector<double>> at_rest;
   for (PointsWithRest& of_bone : points) {
-    of_bone.rest_depths_mm.assign(of_bone.points.points_B().size(), 0.0);
+    of_bone.rest_depths_mm.assign(of_bone.points.size(), 0.0);
     at_rest.push_back(of_bone.rest_depths_mm);
   }
   for (std::size_t p = 0; p < patches_.size(); ++p)
-    for_each_point_behind(points, p, positions(patches_[p], nodes_L), false,
-                          [&](std::size_t bone, std::size_t v, const PointDepth& depth) {
-                            at_rest[bone][v] = std::max(at_rest[bone][v], depth.depth_mm);
-                          });
+    for_each_point_behind(
+        points, p, positions(patches_[p], nodes_L), false,
+        [&](std::size_t bone, std::size_t v, const PointDepth& depth) {
+          at_rest[bone][v] =
+              std::max(at_rest[bone][v], depth.depth_mm < reach_mm_[p]
+                                             ? depth.depth_mm
+                                             : std::numeric_limits<double>::infinity());
+        },
+        kRestReach);
   for (std::size_t bone = 0; bone < points.size(); ++bone)
     points[bone].rest_depths_mm = std::move(at_rest[bone]);
 }
@@ -147,8 +169,9 @@ void MortarContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3
       sharp_points_, patch, x_L, local.wants_stiffness(),
       [&](std::size_t bone, std::size_t v, const PointDepth& at) {
         const double increase_mm = at.depth_mm - sharp_points_[bone].rest_depths_mm[v];
-        const double stiffness_n_per_mm =
+        const double full_n_per_mm =
             2.0 * options_.stiffness_mpa_per_mm * point_area_mm2() * at.weight;
+        const double stiffness_n_per_mm = at.fade * full_n_per_mm;
         ++local.contacts;
         local.deepest_mm = std::max(local.deepest_mm, increase_mm);
         local.energy_mj += 0.5 * stiffness_n_per_mm * increase_mm * increase_mm;
@@ -157,7 +180,9 @@ void MortarContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3
         for (std::size_t c = 0; c < at.corners; ++c)
           for (std::size_t b = 0; b < count; ++b)
             local.residual_n.segment<3>(3 * Index(part.local[b])) +=
-                stiffness_n_per_mm * increase_mm * at.N[c][b] * at.gradient_L[c];
+                increase_mm * at.N[c][b] *
+                (stiffness_n_per_mm * at.gradient_L[c] +
+                 0.5 * full_n_per_mm * increase_mm * at.fade_gradient_L[c]);
         if (!local.wants_stiffness()) return;
         for (std::size_t c = 0; c < at.corners; ++c)
           for (std::size_t d = 0; d < at.corners; ++d) {
@@ -165,8 +190,12 @@ void MortarContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3
             const Mat3 curvature =
                 is_exact ? Mat3(increase_mm * at.hessian_L.block<3, 3>(row, col))
                          : Mat3(increase_mm / at.depth_mm * at.positive_L.block<3, 3>(row, col));
-            const Mat3 K =
+            Mat3 K =
                 stiffness_n_per_mm * (at.gradient_L[c] * at.gradient_L[d].transpose() + curvature);
+            if (is_exact)  // But for the second derivatives of the fade, of order d^2.
+              K += full_n_per_mm * increase_mm *
+                   (at.gradient_L[c] * at.fade_gradient_L[d].transpose() +
+                    at.fade_gradient_L[c] * at.gradient_L[d].transpose());
             for (std::size_t a = 0; a < count; ++a)
               for (std::size_t b = 0; b < count; ++b)
                 if (at.N[c][a] != 0.0 && at.N[d][b] != 0.0)
@@ -262,8 +291,10 @@ ActiveSet MortarContactTerm::active_set(std::span<const Vec3> x_L) const {
   ActiveSet active(patches_.size(), 0.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
     const NodePatch& patch = patches_[std::size_t(p)];
+    const std::vector<Vec3> x = positions(patch, x_L);
+    if (min_gap_mm(std::size_t(p), x) > 0.0) return;
     PatchGap gap;
-    if (measure(patch, positions(patch, x_L), nullptr, gap))
+    if (measure(patch, x, nullptr, gap))
       active[std::size_t(p)] = std::max(-2.0 * options_.stiffness_mpa_per_mm * gap.gap_mm, 0.0);
   });
   return active;
@@ -278,6 +309,7 @@ ActiveSet MortarContactTerm::updated_active_set(const ActiveSet& active,
     const bool was_active = active[std::size_t(p)] > 0.0;
     const std::vector<Vec3> from = positions(patch, from_L), to = positions(patch, to_L);
     PatchGap gap;
+    if (!was_active && min_gap_mm(std::size_t(p), to) > 0.0) return;
     if (!measure(patch, was_active ? from : to, nullptr, gap)) return;
     double gap_mm = gap.gap_mm;
     for (std::size_t b = 0; was_active && b < from.size(); ++b)
@@ -320,10 +352,10 @@ double MortarContactTerm::max_step_length(std::span<const Vec3> x_L,
   return *std::min_element(allowed.begin(), allowed.end());
 }
 
-double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
-                                     std::span<const RigidTransform> from_X_LB,
-                                     std::span<const Vec3> to_L) const {
-  std::vector<double> allowed(patches_.size(), 1.0);
+std::vector<MortarContactTerm::Passage> MortarContactTerm::passages(
+    std::span<const Vec3> from_L, std::span<const RigidTransform> from_X_LB,
+    std::span<const Vec3> to_L) const {
+  std::vector<Passage> first(patches_.size());
   parallel_for(Index(patches_.size()), [&](Index p) {
     const std::vector<Vec3> first_L = own_points(patches_[std::size_t(p)], from_L);
     const std::vector<Vec3> last_L = own_points(patches_[std::size_t(p)], to_L);
@@ -332,12 +364,40 @@ double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
       const RigidTransform X_BL_from = from_X_LB[k].inverse(), X_BL = obstacles_[k].X_LB.inverse();
       for (std::size_t n = 0; n < first_L.size(); ++n) {
         const Vec3 first_B = X_BL_from * first_L[n];
-        allowed[std::size_t(p)] = std::min(
-            allowed[std::size_t(p)], allowed_fraction(in_B, first_B, X_BL * last_L[n] - first_B));
+        const double fraction = allowed_fraction(in_B, first_B, X_BL * last_L[n] - first_B);
+        if (fraction < first[std::size_t(p)].fraction) first[std::size_t(p)] = {fraction, k};
       }
     }
   });
-  return *std::min_element(allowed.begin(), allowed.end());
+  return first;
+}
+
+double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
+                                     std::span<const RigidTransform> from_X_LB,
+                                     std::span<const Vec3> to_L) const {
+  double fraction = 1.0;
+  for (const Passage& at : passages(from_L, from_X_LB, to_L))
+    fraction = std::min(fraction, at.fraction);
+  return fraction;
+}
+
+std::vector<Vec3> MortarContactTerm::carried(std::span<const Vec3> from_L,
+                                             std::span<const RigidTransform> from_X_LB,
+                                             std::vector<Vec3> to_L) const {
+  for (int round = 0; round < kMaxCarryRounds; ++round) {
+    const std::vector<Passage> at = passages(from_L, from_X_LB, to_L);
+    bool is_allowed = true;
+    for (std::size_t p = 0; p < patches_.size(); ++p) {
+      if (at[p].fraction == 1.0) continue;
+      is_allowed = false;
+      const std::size_t k = at[p].bone;
+      for (const std::int32_t n : patches_[p].nodes)
+        to_L[std::size_t(n)] =
+            obstacles_[k].X_LB * (from_X_LB[k].inverse() * from_L[std::size_t(n)]);
+    }
+    if (is_allowed) break;
+  }
+  return to_L;
 }
 
 std::string MortarContactTerm::inadmissible_cause() const {
@@ -345,29 +405,51 @@ std::string MortarContactTerm::inadmissible_cause() const {
 }
 
 void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
-  Clearances now{.x_L = {x_L.begin(), x_L.end()}, .X_LB = {}, .gaps_mm = {}};
+  Clearances now{.x_L = {x_L.begin(), x_L.end()}, .X_LB = {}, .gaps_mm = {}, .points = {}};
   for (const RigidObstacle& obstacle : obstacles_) now.X_LB.push_back(obstacle.X_LB);
   now.gaps_mm.assign(patches_.size(), 0.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
+    const std::vector<Vec3> x = positions(patches_[std::size_t(p)], x_L);
+    now.gaps_mm[std::size_t(p)] = min_gap_mm(std::size_t(p), x);
+    if (now.gaps_mm[std::size_t(p)] > kRemeasured * gap_bounds_[std::size_t(p)] * element_size_mm_)
+      return;
     PatchGap gap;
-    if (measure(patches_[std::size_t(p)], positions(patches_[std::size_t(p)], x_L), nullptr, gap))
-      now.gaps_mm[std::size_t(p)] = gap.gap_mm;
+    now.gaps_mm[std::size_t(p)] =
+        measure(patches_[std::size_t(p)], x, nullptr, gap) ? gap.gap_mm : 0.0;
   });
+  std::vector<const BonePoints*> points;
+  for (const PointsWithRest& of_bone : sharp_points_) points.push_back(&of_bone.points);
+  now.points = PointCandidates(
+      patches_, faces_, points, obstacles_, x_L,
+      *std::max_element(reach_mm_.begin(), reach_mm_.end()) + kNotedMotion * element_size_mm_);
   clearances_ = std::move(now);
 }
 
-bool MortarContactTerm::is_clear(std::size_t patch, std::span<const Vec3> x_L) const {
-  if (clearances_.gaps_mm.empty() || (!active_.empty() && active_[patch] > 0.0)) return false;
-  const double allowed_mm = clearances_.gaps_mm[patch] / gap_bounds_[patch];
-  if (!(allowed_mm > 0.0)) return false;
-  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
-    const RigidTransform moved = obstacles_[k].X_LB * clearances_.X_LB[k].inverse();
-    for (std::size_t b = 0; b < x_L.size(); ++b)
-      if (!((x_L[b] - moved * clearances_.x_L[std::size_t(patches_[patch].nodes[b])])
-                .squaredNorm() < allowed_mm * allowed_mm))
-        return false;
+double MortarContactTerm::moved_since_note_mm(std::size_t bone, std::size_t patch,
+                                              std::span<const Vec3> x_L) const {
+  if (clearances_.x_L.empty()) return std::numeric_limits<double>::infinity();
+  const RigidTransform moved = obstacles_[bone].X_LB * clearances_.X_LB[bone].inverse();
+  double squared_mm2 = 0.0;
+  for (std::size_t b = 0; b < x_L.size(); ++b) {
+    const Vec3& noted_L = clearances_.x_L[std::size_t(patches_[patch].nodes[b])];
+    const double of_node_mm2 = (x_L[b] - moved * noted_L).squaredNorm();
+    if (!std::isfinite(of_node_mm2)) return std::numeric_limits<double>::infinity();
+    squared_mm2 = std::max(squared_mm2, of_node_mm2);
   }
-  return true;
+  return (1.0 + kRounding) * std::sqrt(squared_mm2) + kRounding;
+}
+
+double MortarContactTerm::min_gap_mm(std::size_t patch, std::span<const Vec3> x_L) const {
+  if (clearances_.gaps_mm.empty()) return -std::numeric_limits<double>::infinity();
+  double moved_mm = 0.0;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k)
+    moved_mm = std::max(moved_mm, moved_since_note_mm(k, patch, x_L));
+  return clearances_.gaps_mm[patch] - gap_bounds_[patch] * moved_mm;
+}
+
+bool MortarContactTerm::is_clear(std::size_t patch, std::span<const Vec3> x_L) const {
+  if (!active_.empty() && active_[patch] > 0.0) return false;
+  return min_gap_mm(patch, x_L) > 0.0;
 }
 
 double MortarContactTerm::rest_penetration_mm() const {

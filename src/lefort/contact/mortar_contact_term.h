@@ -37,6 +37,7 @@
 #include <lefort/contact/contact_statistics.h>
 #include <lefort/contact/measure_gap.h>
 #include <lefort/contact/node_patches.h>
+#include <lefort/contact/point_candidates.h>
 #include <lefort/contact/rigid_obstacle.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
@@ -73,6 +74,9 @@ class MortarContactTerm final : public fem::ForceTerm {
     double stiffness_mpa_per_mm = 0.0;  ///< k > 0; see mortar_stiffness_mpa_per_mm().
     /// Contact snap distance, as ContactTerm::Options.
     double contact_snap_mm = 0.0;
+    /// Whether sharp points have conditions of their own. The tissue mesh must resolve the bone
+    /// except for its edges and tips: more points than nodes over-constrain the faces.
+    bool has_sharp_points = true;
   };
 
   /// \param nodes_L    all nodes in the reference configuration [mm].
@@ -92,8 +96,9 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// \param active  one entry per node patch, or empty: unilateral contact.
   void set_active(ActiveSet active) { active_ = std::move(active); }
 
-  /// Notes which patches are far from the bones, so that evaluate() can skip them while they have
-  /// moved little. Does not change any result. Not while the term is being evaluated.
+  /// Notes which patches are far from the bones, and which sharp points are near a patch, so that
+  /// evaluate() can skip the others while they have moved little. Does not change any result. Not
+  /// while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm]; the bones are at their present poses.
   void note_clearances(std::span<const Vec3> x_L);
 
@@ -133,6 +138,16 @@ class MortarContactTerm final : public fem::ForceTerm {
                                   std::span<const RigidTransform> from_X_LB,
                                   std::span<const Vec3> to_L) const;
 
+  /// Changes the end of a motion that max_motion() does not allow: the nodes of patches through
+  /// which a bone would pass move with this bone instead, until it passes through none.
+  /// \param from_L     earlier positions of all nodes [mm].
+  /// \param from_X_LB  earlier pose of each bone.
+  /// \param to_L       positions of all nodes [mm].
+  /// \returns the changed positions.
+  [[nodiscard]] std::vector<Vec3> carried(std::span<const Vec3> from_L,
+                                          std::span<const RigidTransform> from_X_LB,
+                                          std::vector<Vec3> to_L) const;
+
   /// \param x_L  current positions of all nodes [mm].
   /// \returns one entry per bone; forces are those on the tissue. Depths are those of dense samples
   ///   of the faces, and of all vertices of the bones behind them.
@@ -152,11 +167,21 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool measure(const NodePatch& patch, std::span<const Vec3> x_L,
                              fem::LocalEquations* local, PatchGap& gap) const;
 
+  /// Bone that would pass through a point of a patch, and the fraction of the motion before that.
+  struct Passage {
+    double fraction = 1.0;
+    std::size_t bone = 0;
+  };
+  [[nodiscard]] std::vector<Passage> passages(std::span<const Vec3> from_L,
+                                              std::span<const RigidTransform> from_X_LB,
+                                              std::span<const Vec3> to_L) const;
+
   /// Positions of the node of a patch, and of the quadrature points of the faces of which it is the
   /// first node.
   [[nodiscard]] std::vector<Vec3> own_points(const NodePatch& patch,
                                              std::span<const Vec3> x_L) const;
-  /// Points of one bone, with their depths in the reference configuration, D_0.
+  /// Points of one bone, with their depths in the reference configuration, D_0. It is infinite for
+  /// points beyond reach there: parts of the bone that the tissue mesh does not resolve.
   struct PointsWithRest {
     BonePoints points;
     std::vector<double> rest_depths_mm;
@@ -165,11 +190,13 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// than in the reference configuration.
   template <class Function>
   void for_each_point_behind(const std::vector<PointsWithRest>& points, std::size_t patch,
-                             std::span<const Vec3> x_L, bool wants_hessian,
-                             const Function& f) const;
+                             std::span<const Vec3> x_L, bool wants_hessian, const Function& f,
+                             double reach_factor = 1.0) const;
   /// Sets PointsWithRest::rest_depths_mm.
   void find_rest_depths(std::vector<PointsWithRest>& points, std::span<const Vec3> nodes_L) const;
   void find_bone_points(std::span<const Vec3> nodes_L);
+  /// \returns a lower bound of g_a, from the last note_clearances() [mm].
+  [[nodiscard]] double min_gap_mm(std::size_t patch, std::span<const Vec3> x_L) const;
   [[nodiscard]] bool is_clear(std::size_t patch, std::span<const Vec3> x_L) const;
   void add_faces(std::span<const Vec3> x_L, std::vector<ContactStatisticsSum>& sums) const;
   void add_sharp_points(std::size_t patch, std::span<const Vec3> x_L,
@@ -190,14 +217,21 @@ class MortarContactTerm final : public fem::ForceTerm {
   double element_size_mm_ = 0.0;  ///< h: mean over the patches of their radius (reach_mm_).
   std::vector<PointsWithRest> sharp_points_, vertices_;  ///< Of each bone.
   std::vector<mesh::Face> faces_;
+  std::vector<double> face_areas_mm2_;      ///< In the reference configuration.
   std::vector<double> dense_rest_gaps_mm_;  ///< g_0 of the dense samples of all faces.
   std::vector<double> gap_bounds_;  ///< Of each patch: |change of g_a| over |change of positions|.
+
+  /// \returns how far a node of a patch has moved relative to a bone since note_clearances() [mm];
+  ///   infinite if it has not been called.
+  [[nodiscard]] double moved_since_note_mm(std::size_t bone, std::size_t patch,
+                                           std::span<const Vec3> x_L) const;
 
   /// A state at which patches were clear of the bones.
   struct Clearances {
     std::vector<Vec3> x_L;
     std::vector<RigidTransform> X_LB;
     std::vector<double> gaps_mm;  ///< g_a.
+    PointCandidates points;       ///< Sharp points.
   };
   Clearances clearances_;
 };

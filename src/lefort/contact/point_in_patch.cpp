@@ -1,5 +1,6 @@
 #include <lefort/contact/point_in_patch.h>
 #include <lefort/geometry/closest_point.h>
+#include <lefort/mesh/element_faces.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,24 +45,84 @@ Vec3 pseudonormal(std::span<const PatchTriangle> triangles, int key_a, int key_b
   return sum;
 }
 
-/// \returns the number of triangles with both corners.
-int triangles_at(std::span<const PatchTriangle> triangles, int key_a, int key_b) {
-  return int(std::count_if(triangles.begin(), triangles.end(), [&](const PatchTriangle& corners) {
-    return corners.place_of(key_a) >= 0 && corners.place_of(key_b) >= 0;
-  }));
+/// eta and its derivatives by the barycentric coordinates.
+struct FromBorder {
+  double eta = 0.0;
+  std::array<double, 3> by_N{};
+
+  /// \param N  barycentric coordinates in the triangle.
+  FromBorder(const PatchTriangle& corners, const std::array<double, 3>& N) {
+    const auto of_corner = [&](std::size_t c) { return corners.border_corners[c] ? 0.0 : 1.0; };
+    const auto of_edge = [&](std::size_t e) { return corners.border_edges[e] ? 0.0 : 1.0; };
+    const auto largest = std::size_t(std::max_element(N.begin(), N.end()) - N.begin());
+    if (N[largest] > 0.5) {
+      const std::size_t b = (largest + 1) % 3, c = (largest + 2) % 3;
+      by_N[largest] = of_corner(largest);
+      by_N[b] = 2.0 * of_edge(largest) - of_corner(largest);
+      by_N[c] = 2.0 * of_edge(c) - of_corner(largest);
+    } else {
+      for (std::size_t c = 0; c < 3; ++c) {
+        // The middle opposite to corner c has the coordinate 1 - 2 N_c = N_0 + N_1 + N_2 - 2 N_c.
+        const double value = of_edge((c + 1) % 3);
+        for (std::size_t b = 0; b < 3; ++b) by_N[b] += b == c ? -value : value;
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) eta += by_N[c] * N[c];
+  }
+};
+
+/// dN_b / dx_c as a row.
+using ShapeGradients = std::array<std::array<Vec3, 3>, 3>;
+
+/// Sets fade and fade_gradient_L.
+/// \param of        feature of P.
+/// \param N         barycentric coordinates in the feature.
+/// \param dN        their derivatives by the corners of the feature.
+void set_fade(const PatchTriangle& corners, const FeatureCorners& of,
+              const std::array<double, 3>& N, const ShapeGradients& dN, PointDepth& depth) {
+  std::array<double, 3> in_triangle{};
+  for (int c = 0; c < of.count; ++c)
+    in_triangle[std::size_t(of.at[std::size_t(c)])] = N[std::size_t(c)];
+  const FromBorder border(corners, in_triangle);
+  const double t = std::clamp(border.eta / kFadeWidth, 0.0, 1.0);
+  depth.fade = t * t * (3.0 - 2.0 * t);
+  if (t == 0.0 || t == 1.0) return;
+  const double slope = 6.0 * t * (1.0 - t) / kFadeWidth;
+  for (std::size_t c = 0; c < std::size_t(of.count); ++c)
+    for (std::size_t b = 0; b < std::size_t(of.count); ++b)
+      depth.fade_gradient_L[c] += slope * border.by_N[std::size_t(of.at[b])] * dN[b][c];
 }
 
-/// Whether an edge, or a vertex if both keys are equal, lies on the border of the contact faces.
-/// \pre the hat function of the patch's node is positive there, so that all its triangles are in
-///   the patch.
-bool is_on_border(std::span<const PatchTriangle> triangles, int key_a, int key_b) {
-  if (key_a != key_b) return triangles_at(triangles, key_a, key_b) == 1;
-  for (const PatchTriangle& corners : triangles) {
-    if (corners.place_of(key_a) < 0) continue;
-    for (const int other : corners.keys)
-      if (other != key_a && triangles_at(triangles, key_a, other) == 1) return true;
+/// Surface gradients a^b of the shape functions of a triangle.
+/// \param n  outward normal.
+std::array<Vec3, 3> surface_gradients(const PatchTriangle& corners, const Vec3& n) {
+  const double twice_area = corners.normal().norm();
+  std::array<Vec3, 3> a;
+  for (std::size_t b = 0; b < 3; ++b)
+    a[b] = n.cross(corners.x_L[(b + 2) % 3] - corners.x_L[(b + 1) % 3]) / twice_area;
+  return a;
+}
+
+/// dN_b / dx_c of a closest point: inside a face - D (a^b . a^c) n - N_c a^b, on an edge e - (N_c e
+/// -+ r) / |e|^2 for its end and the negative for its start; 0 at a vertex.
+/// \param r  v - P.
+ShapeGradients shape_gradients(const PatchTriangle& corners, const FeatureCorners& of,
+                               const std::array<double, 3>& N, const Vec3& r) {
+  ShapeGradients dN;
+  for (auto& row : dN) row.fill(Vec3::Zero());
+  if (of.count == 3) {
+    const Vec3 n = corners.normal().normalized();
+    const std::array<Vec3, 3> a = surface_gradients(corners, n);
+    for (std::size_t b = 0; b < 3; ++b)
+      for (std::size_t c = 0; c < 3; ++c) dN[b][c] = -r.norm() * a[b].dot(a[c]) * n - N[c] * a[b];
+  } else if (of.count == 2) {
+    const Vec3 e = corners.x_L[std::size_t(of.at[1])] - corners.x_L[std::size_t(of.at[0])];
+    for (std::size_t c = 0; c < 2; ++c) {
+      dN[1][c] = -(N[c] * e - (c == 0 ? -1.0 : 1.0) * r) / e.squaredNorm();
+      dN[0][c] = -dN[1][c];
+    }
   }
-  return false;
+  return dN;
 }
 
 /// Barycentric coordinates of P in its feature.
@@ -85,11 +146,7 @@ std::array<double, 3> coordinates(const PatchTriangle& corners, const FeatureCor
 ///   d2D = 2 dn . sum N_b dx_b - D |dn|^2.
 void set_face_hessian(const PatchTriangle& corners, const std::array<double, 3>& N, const Vec3& n,
                       PointDepth& depth) {
-  const Vec3 area = corners.normal();
-  const double twice_area = area.norm();
-  std::array<Vec3, 3> a;
-  for (std::size_t b = 0; b < 3; ++b)
-    a[b] = n.cross(corners.x_L[(b + 2) % 3] - corners.x_L[(b + 1) % 3]) / twice_area;
+  const std::array<Vec3, 3> a = surface_gradients(corners, n);
   for (std::size_t b = 0; b < 3; ++b)
     for (std::size_t c = 0; c < 3; ++c)
       depth.hessian_L.block<3, 3>(3 * Index(b), 3 * Index(c)) =
@@ -124,6 +181,24 @@ void set_edge_hessian(const PatchTriangle& corners, const FeatureCorners& of,
     }
 }
 
+/// Sets border_corners and border_edges.
+/// \param vertices  of the triangle, by their number in the division.
+void mark_border(const NodePatch& patch, const PatchFace& part,
+                 const std::array<std::uint8_t, 3>& vertices, PatchTriangle& triangle) {
+  const int count = mesh::node_count(part.shape), corners = mesh::corner_count(part.shape);
+  const auto lies_on = [&](int v, int side) {
+    return v == side || v == (side + 1) % corners || v == corners + side;
+  };
+  for (std::size_t c = 0; c < 3; ++c) {
+    const int v = vertices[c], next = vertices[(c + 1) % 3];
+    triangle.border_corners[c] = v < count && patch.on_border[part.local[std::size_t(v)]];
+    for (int side = 0; side < corners; ++side)
+      if ((part.border_sides >> unsigned(side) & 1U) != 0 && v < count && next < count &&
+          lies_on(v, side) && lies_on(next, side))
+        triangle.border_edges[c] = true;
+  }
+}
+
 }  // namespace
 
 std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const Vec3> x_L) {
@@ -136,6 +211,7 @@ std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const 
       PatchTriangle& triangle = triangles.emplace_back();
       triangle.face = std::uint8_t(face);
       triangle.number = std::uint8_t(t);
+      mark_border(patch, part, division.triangles[t], triangle);
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t v = division.triangles[t][c];
         triangle.keys[c] = v < count ? int(part.local[v]) : -1 - int(face);
@@ -150,8 +226,9 @@ std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const 
 }
 
 std::optional<PointDepth> point_depth(const NodePatch& patch,
-                                      std::span<const PatchTriangle> triangles, const Vec3& v_L,
+                                      std::span<const PatchTriangle> triangles, const BonePoint& v,
                                       double reach_mm, bool wants_hessian) {
+  const Vec3& v_L = v.p_B;
   geometry::TrianglePoint closest{.point = v_L,
                                   .squared_distance_mm2 = reach_mm * reach_mm,
                                   .feature = geometry::Feature::kFace};
@@ -180,9 +257,10 @@ std::optional<PointDepth> point_depth(const NodePatch& patch,
   if (!(depth.weight > 0.0) || !(depth.depth_mm > 0.0)) return std::nullopt;
   const int key_a = corners.keys[std::size_t(of.at[0])];
   const int key_b = corners.keys[std::size_t(of.at[std::size_t(of.count - 1)])];
-  if (of.count < 3 && is_on_border(triangles, key_a, key_b)) return std::nullopt;
   const Vec3 outward = of.count == 3 ? corners.normal() : pseudonormal(triangles, key_a, key_b);
-  if (!(outward.dot(r) < 0.0)) return std::nullopt;
+  if (!(outward.dot(r) < 0.0) || !(outward.dot(v.normal_B) < 0.0)) return std::nullopt;
+  set_fade(corners, of, N, shape_gradients(corners, of, N, r), depth);
+  if (!(depth.fade > 0.0)) return std::nullopt;
 
   depth.face = corners.face;
   depth.corners = std::uint8_t(of.count);

@@ -8,8 +8,14 @@
 ///   dD/dx_b     = N_b n,  n = (P - v) / D       (the outward normal of a face)
 ///
 /// The second derivatives are those of min over N of |v - sum N_b x_b|.
+///
+/// The condition of a point fades out towards the border of the contact faces, so that it does not
+/// vanish at once where the point slides over the border. The fade is s(eta / kFadeWidth) with s(t)
+/// = 3 t^2 - 2 t^3 for t < 1, else 1. eta is linear in each quarter of a triangle, 0 on the border,
+/// and 1 at the other vertices and middles of edges.
 #pragma once
 
+#include <lefort/contact/bone_points.h>
 #include <lefort/contact/node_patches.h>
 #include <lefort/core/types.h>
 
@@ -27,9 +33,11 @@ namespace lefort::contact {
 struct PointDepth {
   double depth_mm = 0.0;     ///< D > 0.
   double weight = 0.0;       ///< Hat function of the patch's node at P.
+  double fade = 1.0;         ///< s at P, 0 to 1.
   std::uint8_t corners = 0;  ///< Corners of the face, edge or vertex: 3, 2 or 1.
   std::array<Vec3, 3> gradient_L{Vec3::Zero(), Vec3::Zero(),
                                  Vec3::Zero()};  ///< dD/dx of each corner.
+  std::array<Vec3, 3> fade_gradient_L{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< ds/dx.
   Eigen::Matrix<double, 9, 9> hessian_L =
       Eigen::Matrix<double, 9, 9>::Zero();  ///< Of D [1/mm]; upper left 3 corners x 3.
   Eigen::Matrix<double, 9, 9> positive_L =
@@ -45,6 +53,8 @@ struct PatchTriangle {
   std::array<int, 3> keys{};  ///< Of each corner: place of the node in the patch, or -1 - face.
   std::uint8_t face = 0;      ///< Of the patch.
   std::uint8_t number = 0;    ///< In the division of the face.
+  std::array<bool, 3> border_corners{};  ///< Whether a corner lies on the border.
+  std::array<bool, 3> border_edges{};    ///< Whether the edge from a corner to the next does.
 
   [[nodiscard]] Vec3 normal() const { return (x_L[1] - x_L[0]).cross(x_L[2] - x_L[0]); }
   /// \returns the place of a corner; -1 if it is none.
@@ -59,15 +69,21 @@ struct PatchTriangle {
 [[nodiscard]] std::vector<PatchTriangle> triangles_of(const NodePatch& patch,
                                                       std::span<const Vec3> x_L);
 
+/// Width of the fade, as a fraction of half an edge.
+inline constexpr double kFadeWidth = 0.4;
+
 /// \param patch     the patch.
 /// \param triangles triangles_of() the patch.
-/// \param v_L       the point [mm].
+/// \param v         the point, with the outward normal of its bone.
 /// \param reach_mm  max depth.
-/// \returns the depth; nothing if the point is outside, deeper than `reach_mm`, or closest to the
-///   border of the patch, where its hat function is 0, or to the border of the contact faces.
+/// \returns the depth; nothing
+///   - if the point is outside, or deeper than `reach_mm`,
+///   - if its bone is on the other side of the tissue: its normal does not oppose that of the face,
+///   - if it is closest to the border of the patch, where its hat function is 0, or to the border
+///     of the contact faces, where its fade is 0.
 [[nodiscard]] std::optional<PointDepth> point_depth(const NodePatch& patch,
                                                     std::span<const PatchTriangle> triangles,
-                                                    const Vec3& v_L, double reach_mm,
+                                                    const BonePoint& v, double reach_mm,
                                                     bool wants_hessian);
 
 }  // namespace lefort::contact

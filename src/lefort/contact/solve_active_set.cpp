@@ -29,7 +29,11 @@ fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts
     for (MortarContactTerm* contact : contacts) contact->set_active({});
   };
   for (int n = 0; n < kMaxActiveSetSteps; ++n) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) contacts[k]->set_active(active[k]);
+    const std::vector<Vec3> from_L = displaced(nodes_L, at);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      contacts[k]->note_clearances(from_L);
+      contacts[k]->set_active(active[k]);
+    }
     fem::NewtonOutcome next = solve(at, 1);
     append(history, next);
     if (is_final(next.stop)) {
@@ -39,7 +43,7 @@ fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts
     }
     const bool is_step = next.iterations() == 1 && next.history.back().step_length > 0.0;
     if (!next.converged() && !is_step) break;
-    const std::vector<Vec3> from_L = displaced(nodes_L, at), to_L = displaced(nodes_L, next.x);
+    const std::vector<Vec3> to_L = displaced(nodes_L, next.x);
     const double length = is_step ? next.history.back().step_length : 1.0;
     bool is_same = true;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -51,6 +55,7 @@ fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts
     if (next.converged() && is_same) break;
   }
   release();
+  for (MortarContactTerm* contact : contacts) contact->note_clearances(displaced(nodes_L, at));
   fem::NewtonOutcome end = solve(at, max_iterations);
   append(history, end);
   end.history = std::move(history);

@@ -9,7 +9,7 @@ namespace {
 
 /// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
 constexpr double kMaxSlope = 1.1;
-constexpr double kCosMaxTurn = 0.5;
+constexpr double kCosMaxTurn = -0.5;
 constexpr double kMinStep = 0.5;  ///< Of the resolution.
 constexpr int kMinSteps = 4;      ///< In a line that is checked.
 

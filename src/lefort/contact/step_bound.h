@@ -10,9 +10,10 @@ namespace lefort::contact {
 /// Follows a point on a straight line (conservative advancement, \cite mirtich1996; sphere tracing,
 /// \cite hart1996): a signed distance g changes by at most the distance moved, so that outside the
 /// bone steps of length g skip nothing. Inside, where trial states of Newton's method may lie, the
-/// line ends before the closest surface turns to another side of the bone: where grad g has turned
-/// by more than 60 degrees since the point entered, or since the start if that is inside. From
-/// there the contact force would push the point out on the far side.
+/// line ends before the closest surface turns to the opposite side of the bone: where grad g has
+/// turned by more than 120 degrees since the point entered, or since the start if that is inside.
+/// From there the contact force would push the point out on the far side. At the edge of a bone
+/// grad g turns by up to 90 degrees without a passage.
 ///
 /// \param obstacle  the bone at its pose.
 /// \param from_L    start of the line [mm].

@@ -217,7 +217,8 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
 
 contact::MortarContactTerm::Options FacePath::weighted_options() const {
   return {.stiffness_mpa_per_mm = prediction_.contact_stiffness_mpa_per_mm,
-          .contact_snap_mm = options_.boundary.contact_snap_mm};
+          .contact_snap_mm = options_.boundary.contact_snap_mm,
+          .has_sharp_points = false};
 }
 
 /// \param bones  segments first.

@@ -39,8 +39,9 @@ class WeightedContacts {
   /// \returns the fraction of the step by which no point passes through a bone.
   [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const;
 
-  /// Finds equilibrium by contact::solve_active_set(). Rejects a start if a bone would pass through
-  /// tissue on the way from the last equilibrium.
+  /// Finds equilibrium by contact::solve_active_set(). If a bone would pass through tissue on the
+  /// way from the last equilibrium to the start, that tissue starts with the motion of the bone;
+  /// if that does not help, the start is rejected.
   /// \param X_LB_last       poses in the last equilibrium.
   /// \param u_last          its displacements [mm].
   /// \param X_LB            present poses, which are those of the terms.
@@ -53,6 +54,14 @@ class WeightedContacts {
                                          const contact::SolveFrom& solve);
 
  private:
+  /// Whether no bone passes through tissue on the way from the last equilibrium to displacements
+  /// `to` and the present poses.
+  [[nodiscard]] bool allows_motion(const std::vector<RigidTransform>& X_LB_last,
+                                   const std::vector<Vec3>& last_L, const VectorX& to) const;
+  /// Displacements `to`, but tissue through which a segment would pass moves with it.
+  [[nodiscard]] VectorX carried(const std::vector<RigidTransform>& X_LB_last,
+                                const std::vector<Vec3>& last_L, const VectorX& to) const;
+
   const mesh::VolumeMesh* tissue_ = nullptr;
 };
 
