@@ -13,13 +13,15 @@
 namespace lefort::pipeline {
 
 struct LandmarksJob {
-  std::filesystem::path before;                 ///< .mrk.json or .csv.
+  std::filesystem::path before;                 ///< .mrk.json or .csv; empty with `find`.
+  std::optional<std::filesystem::path> find;    ///< A scan in which the landmarks are found.
+  std::optional<std::filesystem::path> labels;  ///< Of that scan; segmented unless given.
   std::optional<std::filesystem::path> after;   ///< As `before`.
   std::optional<std::filesystem::path> output;  ///< .csv.
   std::optional<std::filesystem::path> save;    ///< .mrk.json or .csv.
 };
 
-/// Measures angles and distances between landmarks.
+/// Measures angles and distances between landmarks that are read, or found in a scan.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
 struct CheckPlanJob {
