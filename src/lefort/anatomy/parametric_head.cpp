@@ -75,7 +75,8 @@ double maxilla(const Vec3& p, const HeadShape& s) {
                             {Vec3(0, -89, -38) + alveolus, Vec3(14, -85, -38) + alveolus,
                              {24, -70, -38}, {27, -52, -37}},
                             5.0);
-  bone = join(bone, ridge, 5.0);
+  const double front = cone(q, Vec3(0, -82, -28) + spine, Vec3(0, -85.5, -38) + alveolus, 5.0, 6.0);
+  bone = join(join(bone, ridge, 5.0), front, 4.0);
   const double mouth = ellipsoid(q, {0, -60, -42}, {17, 24, 14});
   return without(bone, mouth, 3.0);
 }
@@ -89,7 +90,7 @@ double palate(const Vec3& p, const HeadShape& s) {
   const double anterior = cone(p, Vec3(0, -84, -26) + spine, Vec3(0, -93, -24) + spine, 3.0, 1.5);
   // The vomer: its posterior border rises from the palate to the skull base.
   const double border = (back - 3.0 + 0.7 * (p.z() - z)) - p.y();
-  const double vomer = std::min({1.2 - std::abs(p.x()), border, p.y() + 88.0 - spine.y() + 8.0,
+  const double vomer = std::min({1.2 - std::abs(p.x()), border, p.y() + 82.0 - spine.y(),
                                  p.z() - z, -8.0 - p.z()});
   return join(join(join(plate, posterior, 1.5), anterior, 2.0), vomer, 1.0);
 }
@@ -99,7 +100,7 @@ double upper_teeth(const Vec3& p, const HeadShape& s) {
   const double incisors = ellipsoid(q, Vec3(0, -95, -46) + teeth, {9, 3.5, 9});
   const double arch =
       tube(q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}}, 4.0);
-  const double cusp = cone(q, {28.5, -67, -44}, {28.5, -67, -49}, 3.0, 1.8);
+  const double cusp = cone(q, {28.5, -67, -44}, {28.5, -67, -49}, 4.0, 2.6);
   return join(join(incisors, arch, 3.0), cusp, 1.5);
 }
 
@@ -131,7 +132,7 @@ double lower_teeth(const Vec3& p) {
   const Vec3 q = folded(p);
   const double incisors = ellipsoid(q, {0, -87, -57}, {8, 3, 8.5});
   const double arch = tube(q, {{0, -86, -58}, {15, -80, -58}, {25, -62, -58}, {30, -46, -56}}, 4.0);
-  const double cusp = cone(q, {27.5, -63, -58}, {27.5, -63, -54}, 3.0, 1.8);
+  const double cusp = cone(q, {27.5, -63, -58}, {27.5, -63, -54}, 4.0, 2.6);
   return join(join(incisors, arch, 3.0), cusp, 1.5);
 }
 
@@ -140,17 +141,18 @@ double nose(const Vec3& p, const HeadShape& s) {
   const Vec3 root = Vec3(0, -97, 30) + in_plane(s.nasion_mm);
   const double bridge = cone(q, root, Vec3(0, -117, -2) + tip, 6.0, 8.0);
   const double lobule = ellipsoid(q, Vec3(0, -117, -8) + tip, {10, 11, 9});
+  const double inner = cone(q, {0, -86, 22}, {0, -98, -8}, 9.0, 12.0);
   const double ala = ellipsoid(q, Vec3(12, -108, -12) + 0.6 * tip, {7, 9, 8});
-  return join(join(bridge, lobule, 5.0), ala, 3.0);
+  return join(join(join(bridge, inner, 8.0), lobule, 5.0), ala, 3.0);
 }
 
 double mouth(const Vec3& p, double body, const HeadShape& s) {
   const Vec3 q = folded(p), ahead(0, -s.lips_mm, 0);
   const Vec3 chin = in_plane(s.chin_mm);
-  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {25, 9, 7.5}), 4.0);
-  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {21, 9, 7}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {22.5, 9, 7.5}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {20.5, 9, 7}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
-  const double slit = std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -90.0 - p.y()));
+  const double slit = std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -101.5 - s.lips_mm - p.y()));
   return without(body, slit, 1.0);
 }
 

@@ -143,15 +143,14 @@ class TrueLandmarks {
   void find_midface() {
     const HeadShape& s = head_.shape();
     const Vec3 anterior(0, -1, 0);
-    const Vec3 glabella = climb_in_section(skull_, place({0, -98, 42}, s.nasion_mm), anterior);
-    const Vec3 rhinion = climb_in_section(skull_, place({0, -107, 9}, 0.5 * s.nose_mm), anterior);
-    at_["N"] = deepest(skull_, place({0, -93, 28}, s.nasion_mm), glabella, rhinion);
+    const Vec3 posterior(0, 1, 0);
+    at_["N"] = climb_in_section(skull_, place({0, -93, 30}, s.nasion_mm), posterior);
     at_["ANS"] =
         climb_in_section(skull_, place({0, -94, -24}, s.anterior_spine_mm), {0, -0.94, 0.34});
     at_["PNS"] = place({0, -44.4 + s.palate_mm, -26.5 + s.anterior_spine_mm.z()});
     const Vec3 crest = climb_in_section(skull_, place({0, -98, -46}, s.incisors_mm), anterior);
     const Vec3 ridge = 0.5 * (s.anterior_spine_mm + s.incisors_mm);
-    at_["A"] = deepest(skull_, place({0, -91, -32}, ridge), at_.at("ANS"), crest);
+    at_["A"] = deepest(skull_, place({0, -89.5, -32}, ridge), at_.at("ANS"), crest);
     at_["U1"] = climb_in_section(skull_, place({0, -95, -55}, s.incisors_mm), {0, 0, -1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
@@ -198,8 +197,7 @@ class TrueLandmarks {
   void find_nose() {
     const HeadShape& s = head_.shape();
     at_["Prn"] = climb(skin_, place({0, -128, -8}, s.nose_mm), {0, -1, 0});
-    const Vec3 glabella = climb_in_section(skin_, place({0, -104, 46}), {0, -1, 0});
-    at_["N'"] = deepest(skin_, place({0, -102, 30}, s.nasion_mm), at_.at("Prn"), glabella);
+    at_["N'"] = climb_in_section(skin_, place({0, -103, 32}, s.nasion_mm), {0, 1, 0});
     const Vec3 lip = climb_in_section(skin_, place({0, -109 - s.lips_mm, -33}), {0, -1, 0});
     at_["Sn"] = deepest(skin_, place({0, -106, -21}), at_.at("Prn"), lip);
     const Vec3 inwards = head_.X_LH().linear() * Vec3(0, 1, 0);
@@ -208,7 +206,7 @@ class TrueLandmarks {
       at_["Al" + side] = place({sign * 19.0, -108.0, -12.0}, 0.6 * s.nose_mm);
       at_["En" + side] = march(skin_, place({sign * 16.0, -125.0, 14.0}), inwards);
       at_["Ex" + side] = march(skin_, place({sign * 46.5, -125.0, 14.0}), inwards);
-      at_["Ch" + side] = march(skin_, place({sign * 22.5, -125.0, -41.0}), inwards);
+      at_["Ch" + side] = march(skin_, place({sign * 23.5, -125.0, -41.0}), inwards);
     }
   }
 

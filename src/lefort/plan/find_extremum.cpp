@@ -7,7 +7,7 @@ namespace lefort::plan::internal {
 
 std::optional<Extremum> find_extremum(std::span<const Vec3> points, const Vec3& direction,
                                       double voxel_mm) {
-  constexpr double kNeighborhood_mm = 10.0;
+  constexpr double kNeighborhood_mm = 10.0, kCore = 0.25;
   if (points.empty()) return std::nullopt;
   const Vec3 first = *std::max_element(points.begin(), points.end(),
                                        [&](const Vec3& a, const Vec3& b) {
@@ -21,8 +21,8 @@ std::optional<Extremum> find_extremum(std::span<const Vec3> points, const Vec3& 
   };
   Vec3 mean = Vec3::Zero();
   double total = 0.0;
-  visit_near(0.5 * voxel_mm, [&](const Vec3& p) {
-    const double weight = 1.0 - (highest_mm - direction.dot(p)) / (0.5 * voxel_mm);
+  visit_near(kCore * voxel_mm, [&](const Vec3& p) {
+    const double weight = 1.0 - (highest_mm - direction.dot(p)) / (kCore * voxel_mm);
     mean += weight * p;
     total += weight;
   });

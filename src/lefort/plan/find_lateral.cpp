@@ -83,6 +83,16 @@ std::vector<Index> take_component(std::vector<bool>& is_hole, const LateralView&
   return component;
 }
 
+/// The row of the rim above a point of a hole: where the outer surface becomes steeper than 45
+/// degrees to the lateral direction.
+Index rim_above(const LateralView& view, Index column, Index row) {
+  constexpr Index kOver = 2;  // Pixels.
+  while (row + kOver < view.rows && view.at(column, row + kOver) - view.at(column, row) >
+                                        double(kOver) * kPixel_mm)
+    ++row;
+  return row;
+}
+
 /// The top of the rim of the ear canal: of the largest hole of 10 to 250 mm2.
 std::optional<Extremum> find_porion(const LateralView& view, double sign) {
   constexpr double kMinArea_mm2 = 10.0, kMaxArea_mm2 = 250.0;
@@ -108,7 +118,8 @@ std::optional<Extremum> find_porion(const LateralView& view, double sign) {
     }
   const double middle = sum / count;
   const double spread = std::sqrt(std::max(0.0, square / count - middle * middle));
-  return Extremum{view.point(Index(std::lround(middle)), top + 1, sign), spread * kPixel_mm};
+  const Index column = Index(std::lround(middle));
+  return Extremum{view.point(column, rim_above(view, column, top), sign), spread * kPixel_mm};
 }
 
 }  // namespace

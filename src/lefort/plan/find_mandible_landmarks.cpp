@@ -12,7 +12,6 @@ namespace {
 using geometry::SurfaceColumns;
 using geometry::TriangleMesh;
 
-const Vec3 kAnterior(0.0, -1.0, 0.0), kInferior(0.0, 0.0, -1.0), kSuperior(0.0, 0.0, 1.0);
 
 /// Vertices of the chin: the most anterior 30 mm.
 std::vector<Vec3> chin_of(const TriangleMesh& mandible, const Box3& box) {
@@ -51,7 +50,7 @@ double middle_of(const std::vector<Vec3>& chin, double voxel_mm) {
 
 /// L1, B, Pg, Gn and Me in the middle of the chin.
 void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
-  constexpr double kHalf_mm = 3.0, kDepth_mm = 22.0, kLower_mm = 24.0, kTeeth_mm = 22.0;
+  constexpr double kHalf_mm = 3.0, kDepth_mm = 22.0, kLower_mm = 24.0, kTeeth_mm = 22.0, kTeethDepth_mm = 18.0;
   const double voxel_mm = list.voxel_mm();
   const double middle_mm = middle_of(chin_of(*head.mandible, box), voxel_mm);
   const Box3 window(Vec3(middle_mm - 8.0, box.min().y() - 1.0, box.min().z() - 1.0),
@@ -83,7 +82,9 @@ void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
       find_extremum(outline, Vec3(0.0, -1.0, -1.0).normalized(), voxel_mm);
   const TriangleMesh& teeth = head.lower_teeth ? *head.lower_teeth : *head.mandible;
   const SurfaceColumns above(teeth, 2, window, kPixel_mm);
-  auto incisor = find_extremum(above.last_within(strip(6.0)), kSuperior, voxel_mm);
+  Box3 incisors = strip(6.0);
+  incisors.max().y() = box.min().y() + kTeethDepth_mm;
+  auto incisor = find_extremum(above.last_within(incisors), kSuperior, voxel_mm);
   if (incisor && incisor->point.z() < low_mm + 1.5 * kTeeth_mm) incisor.reset();
   const auto crest = find_extremum(between_heights(profile, low_mm + kTeeth_mm, box.max().z()),
                                    kAnterior, voxel_mm);

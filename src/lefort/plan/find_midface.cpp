@@ -11,9 +11,6 @@ namespace {
 
 using geometry::SurfaceColumns;
 
-const Vec3 kAnterior(0.0, -1.0, 0.0), kPosterior(0.0, 1.0, 0.0), kInferior(0.0, 0.0, -1.0);
-constexpr double kFar_mm = 1e3;
-
 Box3 box_of(double x0, double x1, double y0, double y1, double z0, double z1) {
   return {Vec3(x0, y0, z0), Vec3(x1, y1, z1)};
 }
@@ -24,7 +21,7 @@ std::vector<Vec3> mid_profile(const SurfaceColumns& front, double half_mm, doubl
   return front.first_within(box_of(-half_mm, half_mm, -kFar_mm, kFar_mm, low_mm, high_mm));
 }
 
-/// The deepest point of the profile between glabella and the end of the nasal bones.
+/// The most posterior point of the profile between glabella and the end of the nasal bones.
 std::optional<Extremum> find_nasion(const SurfaceColumns& front, const FacialCavities& cavities,
                                     double voxel_mm) {
   constexpr double kAbove_mm = 22.0, kBelow_mm = 22.0, kHalf_mm = 1.0;
@@ -35,7 +32,8 @@ std::optional<Extremum> find_nasion(const SurfaceColumns& front, const FacialCav
   const auto rhinion = find_extremum(between_heights(profile, middle_mm - kBelow_mm, middle_mm),
                                      kAnterior, voxel_mm);
   if (!glabella || !rhinion) return std::nullopt;
-  return find_deepest(profile, rhinion->point, glabella->point, voxel_mm);
+  return find_extremum(between_heights(profile, rhinion->point.z(), glabella->point.z()),
+                       kPosterior, voxel_mm);
 }
 
 /// The tip of the spine at the floor of the piriform aperture.
@@ -60,41 +58,50 @@ std::optional<Extremum> find_a_point(const SurfaceColumns& front, const Vec3& sp
   return find_deepest(profile, spine, crest->point, voxel_mm);
 }
 
-/// The lower surface of the bone near a height, on the line through `p`.
-std::optional<double> lower_surface(const SurfaceColumns& above, const Vec3& p, double low_mm,
-                                    double high_mm) {
+/// The bone near a height on the line through `p`: z of its lower surface, and its thickness.
+struct Plate {
+  double lower_mm, thickness_mm;
+};
+
+std::optional<Plate> lowest_plate(const SurfaceColumns& above, const Vec3& p, double low_mm,
+                                  double high_mm) {
   const auto z_mm = above.crossings(p);
   for (std::size_t i = 0; i + 1 < z_mm.size(); i += 2)  // From entry to exit.
-    if (z_mm[i] >= low_mm && z_mm[i] <= high_mm) return z_mm[i];
+    if (z_mm[i] >= low_mm && z_mm[i] <= high_mm) return Plate{z_mm[i], z_mm[i + 1] - z_mm[i]};
   return std::nullopt;
 }
 
 /// Follows the vault of the palate to posterior, until bone ends or rises to the vomer.
 std::optional<Extremum> find_posterior_spine(const SurfaceColumns& above, const Vec3& spine) {
   constexpr double kVault_mm = 22.0, kLongest_mm = 75.0, kBelow_mm = 14.0, kAbove_mm = 8.0;
-  constexpr double kMaxRise_mm = 1.8, kOver_mm = 4.0, kMaxGap_mm = 5.0, kHalf_mm = 2.0;
-  std::vector<Vec3> palate;
+  constexpr double kMaxSlope = 0.9, kOver_mm = 2.5, kMaxGap_mm = 5.0, kHalf_mm = 2.0;
+  constexpr double kMaxHalfThickness_mm = 1.5, kMaxRise_mm = 0.8;
+  constexpr std::size_t kMinPoints = 10;
+  std::vector<Vec3> palate;  // On its lower surface; x is half of the thickness.
   for (double y = spine.y() + kVault_mm; y < spine.y() + kLongest_mm; y += kPixel_mm) {
     if (!palate.empty() && y - palate.back().y() > kMaxGap_mm) break;
-    std::optional<double> lowest_mm;
+    std::optional<Plate> lowest;
     for (double x = -kHalf_mm; x <= kHalf_mm; x += kPixel_mm) {
-      const auto z = lower_surface(above, {x, y, spine.z()}, spine.z() - kBelow_mm,
-                                   spine.z() + kAbove_mm);
-      if (z && (!lowest_mm || *z < *lowest_mm)) lowest_mm = z;
+      const auto plate =
+          lowest_plate(above, {x, y, spine.z()}, spine.z() - kBelow_mm, spine.z() + kAbove_mm);
+      if (plate && (!lowest || plate->lower_mm < lowest->lower_mm)) lowest = plate;
     }
-    if (!lowest_mm) continue;
-    const Vec3 here(0.0, y, *lowest_mm);
-    const auto before = std::find_if(palate.rbegin(), palate.rend(),
-                                     [&](const Vec3& p) { return p.y() <= y - kOver_mm; });
-    if (before != palate.rend() && here.z() > before->z() + kMaxRise_mm) break;
+    if (!lowest) continue;
+    const Vec3 here(std::min(0.5 * lowest->thickness_mm, kMaxHalfThickness_mm), y,
+                    lowest->lower_mm);
+    const auto earlier = std::find_if(palate.rbegin(), palate.rend(),
+                                      [&](const Vec3& p) { return p.y() <= y - kOver_mm; });
+    if (earlier != palate.rend() &&
+        here.z() > earlier->z() + kMaxSlope * (here.y() - earlier->y())) {
+      const double highest_mm = earlier->z() + kMaxRise_mm;
+      while (palate.back().z() > highest_mm) palate.pop_back();
+      break;
+    }
     palate.push_back(here);
   }
-  if (palate.size() < 10) return std::nullopt;
-  // Where bone ends, the last point; where it rises to the vomer, the point before the rise.
-  const auto lowest = std::min_element(
-      palate.rbegin(), palate.rbegin() + std::ptrdiff_t(kOver_mm / kPixel_mm) + 1,
-      [](const Vec3& a, const Vec3& b) { return a.z() < b.z() - 0.8; });
-  return Extremum{*lowest, 0.0};
+  if (palate.size() < kMinPoints) return std::nullopt;
+  const Vec3& last = palate.back();
+  return Extremum{{0.0, last.y(), last.z() + last.x()}, 0.0};
 }
 
 /// The lowest point of the infraorbital rim: in each sagittal section, the rim is the point that is
@@ -116,11 +123,12 @@ std::optional<Extremum> find_orbitale(const SurfaceColumns& front, const FacialC
   return find_extremum(rim, kInferior, voxel_mm);
 }
 
-/// The most anterior point of the lateral rim at the height of the suture.
+/// The most anterior point of the lateral rim at the height of the suture: 11 mm above Whitnall's
+/// tubercle, which is at the middle of the orbit \cite whitnall1911, for an orbit of 36 mm.
 std::optional<Extremum> find_frontozygomatic(const SurfaceColumns& front,
                                              const FacialCavities& cavities, const Side& side,
                                              double voxel_mm) {
-  constexpr double kHeight = 0.72;  // Of the orbit, from its floor.
+  constexpr double kHeight = 0.5 + 11.0 / 36.0;  // Of the orbit, from its floor.
   constexpr double kFrom_mm = 12.0, kTo_mm = 30.0, kHalf_mm = 1.0;
   const double z_mm =
       cavities.orbit_low_mm + kHeight * (cavities.orbit_high_mm - cavities.orbit_low_mm);

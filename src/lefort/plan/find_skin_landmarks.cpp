@@ -12,9 +12,6 @@ namespace {
 
 using geometry::SurfaceColumns;
 
-const Vec3 kAnterior(0.0, -1.0, 0.0);
-constexpr double kFar_mm = 1e3;
-
 /// The face as seen from the front.
 class Face {
  public:
@@ -71,7 +68,8 @@ std::optional<Extremum> find_soft_nasion(const Face& face, const Vec3& tip) {
   const auto glabella = find_extremum(between_heights(profile, tip.z() + 48.0, tip.z() + 75.0),
                                       kAnterior, face.voxel_mm());
   if (!glabella) return std::nullopt;
-  return find_deepest(profile, {0.0, tip.y(), tip.z()}, glabella->point, face.voxel_mm());
+  return find_extremum(between_heights(profile, tip.z(), glabella->point.z()), kPosterior,
+                       face.voxel_mm());
 }
 
 /// How much deeper a point of a profile is than the points within a distance on both sides of it.
@@ -154,24 +152,26 @@ void find_soft_menton(const geometry::TriangleMesh& skin, LandmarkList& list) {
            "no skin within 30 mm below menton");
 }
 
-/// In each axial section the groove between ala and cheek is furthest from the chord from nose to
-/// cheek; alare is the most lateral point of the wall in front of the grooves.
+/// The wall of the ala is the last steep part of an axial section. Its most lateral point is in front
+/// of the largest step, behind which the groove between ala and cheek is hidden from the front.
 std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3& base,
                                    const Side& side) {
-  constexpr double kFrom_mm = 5.0, kTo_mm = 34.0, kWall_mm = 2.0;
+  constexpr double kFrom_mm = 5.0, kTo_mm = 28.0, kMinSlope = 1.2;
   std::vector<Vec3> walls;
-  for (double z = base.z() + 1.0; z <= tip.z() + 2.0; z += kPixel_mm) {
+  for (double z = base.z() + 2.0; z <= tip.z() + 3.0; z += kPixel_mm) {
     const auto row = face.row(z, side.sign, kFrom_mm, kTo_mm);
-    if (row.size() < 20) continue;
-    const Vec3 chord = row.back() - row.front();
-    const Vec3 normal = Vec3(-side.sign * chord.y(), side.sign * chord.x(), 0.0).normalized();
-    const auto groove = find_extremum(row, normal, face.voxel_mm());
-    if (!groove || normal.dot(groove->point - row.front()) < 1.0) continue;
     std::optional<Vec3> wall;
-    for (const Vec3& p : row)
-      if (side.sign * p.x() < side.sign * groove->point.x() &&
-          p.y() < groove->point.y() - kWall_mm)
-        wall = p;
+    double largest_mm = 0.0;
+    bool is_in_wall = false;
+    for (std::size_t i = 0; i + 1 < row.size(); ++i) {
+      const double step_mm = row[i + 1].y() - row[i].y();
+      const bool is_steep = step_mm > kMinSlope * kPixel_mm;
+      if (is_steep && (!is_in_wall || step_mm > largest_mm)) {
+        largest_mm = step_mm;
+        wall = row[i];
+      }
+      is_in_wall = is_steep;
+    }
     if (wall) walls.push_back(*wall);
   }
   return find_extremum(walls, Vec3(side.sign, 0.0, 0.0), face.voxel_mm());
@@ -192,15 +192,25 @@ std::optional<Extremum> find_cheilion(const Face& face, const Vec3& stomion, dou
   return Extremum{last, 1.0};
 }
 
-/// The corner of the eye: the deepest point of the axial sections at the height of the eye, from the
-/// chord between two distances from the mid-sagittal plane.
-std::optional<Extremum> find_canthus(const Face& face, double eye_mm, double sign, double from_mm,
-                                     double to_mm) {
-  constexpr double kHalfHeight_mm = 4.0;
+/// The most posterior point beside the nose at the height of the eye.
+std::optional<Extremum> find_endocanthion(const Face& face, double eye_mm, double globe_mm,
+                                          double sign) {
+  constexpr double kHalfHeight_mm = 4.0, kFrom_mm = 8.0, kBeforeGlobe_mm = 8.0;
+  std::vector<Vec3> points;
+  for (double z = eye_mm - kHalfHeight_mm; z <= eye_mm + kHalfHeight_mm; z += kPixel_mm)
+    for (const Vec3& p : face.row(z, sign, kFrom_mm, globe_mm - kBeforeGlobe_mm))
+      points.push_back(p);
+  return find_extremum(points, kPosterior, face.voxel_mm());
+}
+
+/// Lateral to the eye, the point furthest behind the chord of an axial section.
+std::optional<Extremum> find_exocanthion(const Face& face, double eye_mm, double globe_mm,
+                                         double sign) {
+  constexpr double kHalfHeight_mm = 4.0, kWidth_mm = 22.0, kMinDepth_mm = 0.2;
   std::optional<Extremum> best;
-  double deepest_mm = 0.5;
+  double deepest_mm = kMinDepth_mm;
   for (double z = eye_mm - kHalfHeight_mm; z <= eye_mm + kHalfHeight_mm; z += kPixel_mm) {
-    const auto row = face.row(z, sign, from_mm, to_mm);
+    const auto row = face.row(z, sign, globe_mm, globe_mm + kWidth_mm);
     if (row.size() < 10) continue;
     const Vec3 chord = row.back() - row.front();
     const Vec3 normal = Vec3(-sign * chord.y(), sign * chord.x(), 0.0).normalized();
@@ -221,10 +231,10 @@ void find_eyes(const Face& face, const std::optional<FacialCavities>& cavities,
     const Side& side = kSides[n];
     const double globe_mm = cavities ? std::abs(cavities->orbit_center_x_mm[n]) : 32.0;
     list.add(std::string("En") + side.suffix,
-             find_canthus(face, eye_mm, side.sign, 2.0, globe_mm - 2.0), 2.0,
-             "no groove beside the nose at the height of the orbits");
+             find_endocanthion(face, eye_mm, globe_mm, side.sign), 2.0,
+             "no skin beside the nose at the height of the orbits");
     list.add(std::string("Ex") + side.suffix,
-             find_canthus(face, eye_mm, side.sign, globe_mm, globe_mm + 22.0), 4.0,
+             find_exocanthion(face, eye_mm, globe_mm, side.sign), 4.0,
              "no groove lateral to the eye");
   }
 }

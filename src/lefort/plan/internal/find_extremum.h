@@ -15,8 +15,8 @@ struct Extremum {
   double spread_mm;  ///< RMS distance of the points within one voxel of the extreme value.
 };
 
-/// The point that is furthest along a direction: the weighted mean of the points within half a voxel
-/// of the extreme value, and within 10 mm of the first extreme point.
+/// The point that is furthest along a direction: the weighted mean of the points within a quarter
+/// of a voxel of the extreme value, and within 10 mm of the first extreme point.
 ///
 /// \param points     candidates; may be empty.
 /// \param direction  unit length.

@@ -16,6 +16,13 @@ struct HeadInF {
   std::optional<geometry::TriangleMesh> mandible, skin, upper_teeth, lower_teeth;
 };
 
+/// Directions in F.
+inline const Vec3 kAnterior(0.0, -1.0, 0.0), kPosterior(0.0, 1.0, 0.0);
+inline const Vec3 kInferior(0.0, 0.0, -1.0), kSuperior(0.0, 0.0, 1.0);
+
+/// A bound beyond any head [mm].
+inline constexpr double kFar_mm = 1e3;
+
 /// Distance of the lines of an orthographic view [mm].
 inline constexpr double kPixel_mm = 0.5;
 
