@@ -44,8 +44,8 @@ TEST(SymmetryPlane, IgnoresALumpOnOneSide) {
   TriangleMesh mesh = head();
   for (Vec3& v : mesh.vertices)
     v.x() += 30.0 * std::exp(-(v - Vec3(70, -20, 0)).squaredNorm() / 400.0);
-  const SymmetryPlane plane =
-      fit_symmetry_plane(Bvh(mesh), mesh.vertices, {Vec3(3, 0, 0), Vec3(1, 0.05, 0.05).normalized()});
+  const SymmetryPlane plane = fit_symmetry_plane(Bvh(mesh), mesh.vertices,
+                                                 {Vec3(3, 0, 0), Vec3(1, 0.05, 0.05).normalized()});
   EXPECT_LT(degrees_between(plane.normal, Vec3::UnitX()), 0.3);
   EXPECT_NEAR(plane.normal.dot(plane.point), 0.0, 0.3);
   EXPECT_LT(plane.inlier_fraction, 0.99);

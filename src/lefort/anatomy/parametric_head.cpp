@@ -56,7 +56,8 @@ double rims(const Vec3& p, const HeadShape& s) {
   const Vec3 up(0, 0, s.orbit_mm), down(0, 0, -s.orbit_mm);
   const double lower =
       tube(q, {Vec3(19, -83, 6) + down, Vec3(33, -75, -3) + down, Vec3(46, -68, 4) + down}, 3.0);
-  const double lateral = tube(q, {Vec3(46, -68, 4) + down, {49, -69, 16}, Vec3(47, -72, 29) + up}, 4.0);
+  const double lateral =
+      tube(q, {Vec3(46, -68, 4) + down, {49, -69, 16}, Vec3(47, -72, 29) + up}, 4.0);
   const double upper =
       tube(q, {Vec3(47, -72, 29) + up, Vec3(33, -87, 36) + up, Vec3(14, -92, 34) + up}, 4.0);
   const Vec3 root = Vec3(0, -90, 28) + in_plane(s.nasion_mm);
@@ -67,14 +68,15 @@ double rims(const Vec3& p, const HeadShape& s) {
 double maxilla(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p);
   const Vec3 spine = in_plane(s.anterior_spine_mm), teeth = in_plane(s.incisors_mm);
-  double bone = std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y() + 0.0);
+  double bone =
+      std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y() + 0.0);
   bone = join(bone, zygoma(q, s), 6.0);
   bone = without(bone, ellipsoid(q, {24, -60, -11}, {9, 13, 11}), 1.0);  // Sinus.
   const Vec3 alveolus = 0.5 * (spine + teeth);
-  const double ridge = tube(q,
-                            {Vec3(0, -89, -38) + alveolus, Vec3(14, -85, -38) + alveolus,
-                             {24, -70, -38}, {27, -52, -37}},
-                            5.0);
+  const double ridge = tube(
+      q,
+      {Vec3(0, -89, -38) + alveolus, Vec3(14, -85, -38) + alveolus, {24, -70, -38}, {27, -52, -37}},
+      5.0);
   const double front = cone(q, Vec3(0, -82, -28) + spine, Vec3(0, -85.5, -38) + alveolus, 5.0, 6.0);
   bone = join(join(bone, ridge, 5.0), front, 4.0);
   const double mouth = ellipsoid(q, {0, -60, -42}, {17, 24, 14});
@@ -85,21 +87,23 @@ double palate(const Vec3& p, const HeadShape& s) {
   const double back = -48.0 + s.palate_mm;
   const Vec3 spine = in_plane(s.anterior_spine_mm);
   const double front = -86.0 + spine.y(), z = -26.5 + spine.z();
-  const double plate = rounded_box(p, {0, 0.5 * (front + back), z}, {15, 0.5 * (back - front), 2.2}, 1.5);
+  const double plate =
+      rounded_box(p, {0, 0.5 * (front + back), z}, {15, 0.5 * (back - front), 2.2}, 1.5);
   const double posterior = cone(p, {0, back - 6.0, z}, {0, back + 2.0, z}, 2.2, 1.6);
   const double anterior = cone(p, Vec3(0, -84, -26) + spine, Vec3(0, -93, -24) + spine, 3.0, 1.5);
   // The vomer: its posterior border rises from the palate to the skull base.
   const double border = (back - 3.0 + 0.7 * (p.z() - z)) - p.y();
-  const double vomer = std::min({1.2 - std::abs(p.x()), border, p.y() + 82.0 - spine.y(),
-                                 p.z() - z, -8.0 - p.z()});
+  const double vomer =
+      std::min({1.2 - std::abs(p.x()), border, p.y() + 82.0 - spine.y(), p.z() - z, -8.0 - p.z()});
   return join(join(join(plate, posterior, 1.5), anterior, 2.0), vomer, 1.0);
 }
 
 double upper_teeth(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p), teeth = in_plane(s.incisors_mm);
   const double incisors = ellipsoid(q, Vec3(0, -95, -46) + teeth, {9, 3.5, 9});
-  const double arch =
-      tube(q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}}, 4.0);
+  const double arch = tube(
+      q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}},
+      4.0);
   const double cusp = cone(q, {28.5, -67, -44}, {28.5, -67, -49}, 4.0, 2.6);
   return join(join(incisors, arch, 3.0), cusp, 1.5);
 }
@@ -107,17 +111,19 @@ double upper_teeth(const Vec3& p, const HeadShape& s) {
 /// Lower border and alveolar process of the body, and the ramus.
 double lower_jaw(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p), chin = in_plane(s.chin_mm), angle = s.angle_mm;
-  const double border = tube(q,
-                             {Vec3(0, -81, -87) + chin, Vec3(19, -75, -86) + chin,
-                              Vec3(37, -48, -76) + 0.5 * angle + 0.4 * chin,
-                              Vec3(46, -20, -62) + angle},
-                             6.5);
-  const double alveolus = tube(
-      q, {{0, -84, -64}, {16, -78, -64}, {26, -60, -63}, {34, -40, -60}}, 5.0);
+  const double border =
+      tube(q,
+           {Vec3(0, -81, -87) + chin, Vec3(19, -75, -86) + chin,
+            Vec3(37, -48, -76) + 0.5 * angle + 0.4 * chin, Vec3(46, -20, -62) + angle},
+           6.5);
+  const double alveolus =
+      tube(q, {{0, -84, -64}, {16, -78, -64}, {26, -60, -63}, {34, -40, -60}}, 5.0);
   const double middle = tube(q,
-                             {Vec3(0, -81, -76) + 0.6 * chin, Vec3(18, -76, -76) + 0.6 * chin,
-                              {32, -52, -70}, {42, -28, -60}},
-                             5.0);
+                             {Vec3(0, -80, -75) + 0.6 * chin,
+                              Vec3(18, -75, -75) + 0.6 * chin,
+                              {32, -52, -70},
+                              {42, -28, -60}},
+                             7.0);
   const double behind = tube(q, {Vec3(46, -20, -62) + angle, {50, -19, -14}}, 5.0);
   const double ahead = tube(q, {{42, -38, -62}, {44, -40, -30}, {45, -40, -12}}, 3.5);
   const double between = tube(q, {{45, -28, -60}, {47, -27, -26}}, 4.0);
@@ -149,10 +155,11 @@ double nose(const Vec3& p, const HeadShape& s) {
 double mouth(const Vec3& p, double body, const HeadShape& s) {
   const Vec3 q = folded(p), ahead(0, -s.lips_mm, 0);
   const Vec3 chin = in_plane(s.chin_mm);
-  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {22.5, 9, 7.5}), 4.0);
-  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {20.5, 9, 7}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {19, 9, 7.5}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {18, 9, 7}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
-  const double slit = std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -101.5 - s.lips_mm - p.y()));
+  const double slit =
+      std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -101.5 - s.lips_mm - p.y()));
   return without(body, slit, 1.0);
 }
 
@@ -171,13 +178,14 @@ double ParametricHead::skin(const Vec3& p_L) const {
   const Vec3 p = straightened((X_HL_ * p_L).cwiseQuotient(s.scale), s), q = folded(p);
   const double head = ellipsoid(p, {0, -8, 46}, {78, 96, 80});
   const double face = ellipsoid(p, {0, -40, -30}, {68, 62, 72});
-  const double neck = std::min(ellipsoid({p.x(), p.y(), 0.0}, {0, 5, 0}, {56, 60, 1.0}), -40.0 - p.z());
+  const double neck =
+      std::min(ellipsoid({p.x(), p.y(), 0.0}, {0, 5, 0}, {56, 60, 1.0}), -40.0 - p.z());
   double body = join(join(head, face, 20.0), neck, 15.0);
-  body = join(body, ellipsoid(q, {80, 6, -2}, {5, 14, 28}), 4.0);  // Ear.
+  body = join(body, ellipsoid(q, {80, 6, -2}, {5, 14, 28}), 4.0);     // Ear.
   body = join(body, ellipsoid(q, {32, -80, 15}, {14, 13, 11}), 3.0);  // Eye.
   body = join(body, nose(p, s), 6.0);
   body = mouth(p, body, s);
-  body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);      // Medial canthus.
+  body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);    // Medial canthus.
   return without(body, ellipsoid(q, {46.5, -86, 14}, {3, 8, 3}), 2.0);  // Lateral canthus.
 }
 
@@ -188,7 +196,8 @@ double ParametricHead::skull(const Vec3& p_L) const {
   const double orbit = ellipsoid(q, {33, -70, 16}, {18, 44, 18 + s.orbit_mm});
   bone = join(without(bone, orbit, 2.0), rims(p, s), 3.0);
   const Vec3 spine = in_plane(s.anterior_spine_mm);
-  bone = without(bone, ellipsoid(q, Vec3(0, -75, -7) + 0.5 * spine, {12, 40, 19}), 2.0);  // Nasal cavity.
+  bone = without(bone, ellipsoid(q, Vec3(0, -75, -7) + 0.5 * spine, {12, 40, 19}),
+                 2.0);  // Nasal cavity.
   bone = join(bone, palate(p, s), 1.5);
   const double pterygoid = tube(q, {{14, -42, -10}, {16, -41, -32}}, 3.0);
   return join(join(bone, pterygoid, 2.0), upper_teeth(p, s), 2.0);
@@ -256,7 +265,7 @@ LabeledScan scan_of(const ParametricHead& head, double voxel_mm, double noise_hu
                         (kBone_hu - kSoft_hu) * fraction(bone) +
                         noise_hu * std::numbers::sqrt3 * noise;
       scan.ct.at(i, j, k) = std::int16_t(std::lround(hu));
-      scan.labels.at(i, j, k) = bone > 0.0   ? (mandible > skull ? Tissue::kMandible : Tissue::kBone)
+      scan.labels.at(i, j, k) = bone > 0.0 ? (mandible > skull ? Tissue::kMandible : Tissue::kBone)
                                 : skin > 0.0 ? Tissue::kSoftTissue
                                              : Tissue::kBackground;
     }

@@ -22,13 +22,13 @@ struct HeadShape {
   Vec3 nasion_mm = Vec3::Zero();
   Vec3 anterior_spine_mm = Vec3::Zero();
   Vec3 incisors_mm = Vec3::Zero();
-  Vec3 chin_mm = Vec3::Zero();  ///< Its x: the chin deviates to the left.
-  Vec3 angle_mm = Vec3::Zero();  ///< Of gonion; x is lateral on both sides.
-  Vec3 nose_mm = Vec3::Zero();   ///< Of the tip.
-  double zygion_mm = 0.0;        ///< Lateral, on both sides.
-  double orbit_mm = 0.0;         ///< Half height.
-  double lips_mm = 0.0;          ///< Anterior.
-  double palate_mm = 0.0;        ///< Length.
+  Vec3 chin_mm = Vec3::Zero();       ///< Its x: the chin deviates to the left.
+  Vec3 angle_mm = Vec3::Zero();      ///< Of gonion; x is lateral on both sides.
+  Vec3 nose_mm = Vec3::Zero();       ///< Of the tip.
+  double zygion_mm = 0.0;            ///< Lateral, on both sides.
+  double orbit_mm = 0.0;             ///< Half height.
+  double lips_mm = 0.0;              ///< Anterior.
+  double palate_mm = 0.0;            ///< Length.
   Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();
 };
@@ -44,7 +44,7 @@ class ParametricHead {
   explicit ParametricHead(const HeadShape& shape);
 
   [[nodiscard]] double skin(const Vec3& p_L) const;
-  [[nodiscard]] double skull(const Vec3& p_L) const;  ///< With the upper teeth.
+  [[nodiscard]] double skull(const Vec3& p_L) const;     ///< With the upper teeth.
   [[nodiscard]] double mandible(const Vec3& p_L) const;  ///< With the lower teeth.
 
   /// The frame of the head: x to the left, y to posterior, z to superior; the origin is between the

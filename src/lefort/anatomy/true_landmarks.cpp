@@ -154,8 +154,8 @@ class TrueLandmarks {
     at_["U1"] = climb_in_section(skull_, place({0, -95, -55}, s.incisors_mm), {0, 0, -1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
-      at_["Zy" + side] = climb(skull_, place({sign * (69.0 + s.zygion_mm), -35.0, -3.0}),
-                               {sign, 0, 0});
+      at_["Zy" + side] =
+          climb(skull_, place({sign * (69.0 + s.zygion_mm), -35.0, -3.0}), {sign, 0, 0});
       at_["U6" + side] = climb(skull_, place({sign * 28.5, -67.0, -51.0}), {0.35 * sign, 0, -0.94});
     }
   }

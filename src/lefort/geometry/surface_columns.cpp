@@ -58,7 +58,8 @@ void SurfaceColumns::visit_triangle(const TriangleMesh& mesh, Index triangle,
       const Eigen::Vector2d q{double(column), double(row)};
       Vec3 weight;
       for (int c = 0; c < 3; ++c)
-        weight[c] = cross(at[std::size_t((c + 1) % 3)] - q, at[std::size_t((c + 2) % 3)] - q) / area;
+        weight[c] =
+            cross(at[std::size_t((c + 1) % 3)] - q, at[std::size_t((c + 2) % 3)] - q) / area;
       if (weight.minCoeff() < 0.0) continue;
       double coordinate = 0.0;
       for (int c = 0; c < 3; ++c) coordinate += weight[c] * mesh.corner(triangle, c)[axis_];

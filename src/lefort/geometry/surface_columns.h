@@ -44,7 +44,8 @@ class SurfaceColumns {
   [[nodiscard]] Vec3 point_of(Index line, double coordinate) const;
   [[nodiscard]] std::vector<Vec3> within(const Box3& box, bool is_first) const;
   template <class OnCrossing>
-  void visit_triangle(const TriangleMesh& mesh, Index triangle, const OnCrossing& on_crossing) const;
+  void visit_triangle(const TriangleMesh& mesh, Index triangle,
+                      const OnCrossing& on_crossing) const;
 
   int axis_, across_, along_;
   Box3 window_;

@@ -9,14 +9,14 @@
 namespace lefort::plan::internal {
 namespace {
 
-constexpr double kStep_mm = 1.0, kHalfWidth_mm = 65.0, kHeight_mm = 150.0;
-constexpr int kHalf = int(kHalfWidth_mm / kStep_mm);
+constexpr double kRowStep_mm = 1.0, kViewHalfWidth_mm = 65.0, kViewHalfHeight_mm = 150.0;
+constexpr int kViewHalf = int(kViewHalfWidth_mm / kRowStep_mm);
 
 /// The depth y of the skull along one row, from the right to the left; infinite without bone.
 std::vector<double> depths_of(const geometry::SurfaceColumns& front, double z_mm) {
   std::vector<double> depths;
-  for (int i = -kHalf; i <= kHalf; ++i) {
-    const auto p = front.first({double(i) * kStep_mm, 0.0, z_mm});
+  for (int i = -kViewHalf; i <= kViewHalf; ++i) {
+    const auto p = front.first({double(i) * kRowStep_mm, 0.0, z_mm});
     depths.push_back(p ? p->y() : std::numeric_limits<double>::infinity());
   }
   return depths;
@@ -25,7 +25,7 @@ std::vector<double> depths_of(const geometry::SurfaceColumns& front, double z_mm
 /// \param within_mm  distance within which bone on both sides is searched.
 /// \returns for each point, whether bone on both sides of it lies `depth_mm` or more in front of it.
 std::vector<bool> cavities_in(std::span<const double> depths, double depth_mm, double within_mm) {
-  const auto count = std::ptrdiff_t(depths.size()), reach = std::ptrdiff_t(within_mm / kStep_mm);
+  const auto count = std::ptrdiff_t(depths.size()), reach = std::ptrdiff_t(within_mm / kRowStep_mm);
   std::vector<bool> is_cavity;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const auto begin = depths.begin(), at = begin + i;
@@ -44,9 +44,9 @@ struct RowCavity {
 
 RowCavity count_between(const std::vector<bool>& is_cavity, double from_mm, double to_mm) {
   RowCavity found;
-  for (int i = -kHalf; i <= kHalf; ++i) {
-    const double x_mm = double(i) * kStep_mm;
-    if (x_mm < from_mm || x_mm > to_mm || !is_cavity[std::size_t(i + kHalf)]) continue;
+  for (int i = -kViewHalf; i <= kViewHalf; ++i) {
+    const double x_mm = double(i) * kRowStep_mm;
+    if (x_mm < from_mm || x_mm > to_mm || !is_cavity[std::size_t(i + kViewHalf)]) continue;
     ++found.count;
     found.sum_x_mm += x_mm;
   }
@@ -83,9 +83,9 @@ Run largest_run(std::span<const Index> sizes) {
   return best;
 }
 
-double height_of(std::size_t row) { return double(row) * kStep_mm - kHeight_mm; }
+double height_of(std::size_t row) { return double(row) * kRowStep_mm - kViewHalfHeight_mm; }
 
-constexpr std::size_t kRows = std::size_t(2.0 * kHeight_mm / kStep_mm);
+constexpr std::size_t kRows = std::size_t(2.0 * kViewHalfHeight_mm / kRowStep_mm);
 
 std::optional<double> find_aperture_floor(const geometry::SurfaceColumns& front,
                                           double orbit_center_mm) {
@@ -114,7 +114,7 @@ std::optional<FacialCavities> find_facial_cavities(const geometry::SurfaceColumn
   std::vector<std::array<RowCavity, 2>> sides(kRows);
   for (std::size_t row = 0; row < kRows; ++row) {
     const auto is_cavity =
-        cavities_in(depths_of(front, height_of(row)), kDepth_mm, 2.0 * kHalfWidth_mm);
+        cavities_in(depths_of(front, height_of(row)), kDepth_mm, 2.0 * kViewHalfWidth_mm);
     sides[row] = {count_between(is_cavity, -kLateral_mm, -kMedial_mm),
                   count_between(is_cavity, kMedial_mm, kLateral_mm)};
     const Index least = std::min(sides[row][0].count, sides[row][1].count);

@@ -9,10 +9,9 @@ std::optional<Extremum> find_extremum(std::span<const Vec3> points, const Vec3& 
                                       double voxel_mm) {
   constexpr double kNeighborhood_mm = 10.0, kCore = 0.25;
   if (points.empty()) return std::nullopt;
-  const Vec3 first = *std::max_element(points.begin(), points.end(),
-                                       [&](const Vec3& a, const Vec3& b) {
-                                         return direction.dot(a) < direction.dot(b);
-                                       });
+  const Vec3 first = *std::max_element(
+      points.begin(), points.end(),
+      [&](const Vec3& a, const Vec3& b) { return direction.dot(a) < direction.dot(b); });
   const double highest_mm = direction.dot(first);
   const auto visit_near = [&](double within_mm, const auto& visit) {
     for (const Vec3& p : points)

@@ -114,8 +114,7 @@ Result<LandmarkSearch> find_landmarks(const HeadSurfaces& head) {
     return fail(ErrorCode::kAnatomyMissing, "the skull is too small to find landmarks on it");
   LandmarkSearch search;
   search.mid_sagittal_L = find_mid_sagittal(*head.skull_L);
-  search.X_FL =
-      frame_of(search.mid_sagittal_L, geometry::bounding_box(*head.skull_L).center());
+  search.X_FL = frame_of(search.mid_sagittal_L, geometry::bounding_box(*head.skull_L).center());
   const internal::ScanEnds ends = internal::find_scan_ends(head);
   LandmarkList list = search_in(head, ends, search.X_FL);
   if (const auto turn = to_frankfurt(list)) {

@@ -29,8 +29,11 @@ struct LateralView {
 };
 
 LateralView view_from(const SurfaceColumns& lines, double sign, const Box3& box) {
-  LateralView view{box.min().y(), box.min().z(), Index(box.sizes().y() / kPixel_mm) + 1,
-                   Index(box.sizes().z() / kPixel_mm) + 1, {}};
+  LateralView view{box.min().y(),
+                   box.min().z(),
+                   Index(box.sizes().y() / kPixel_mm) + 1,
+                   Index(box.sizes().z() / kPixel_mm) + 1,
+                   {}};
   for (Index row = 0; row < view.rows; ++row)
     for (Index column = 0; column < view.columns; ++column) {
       const Vec3 p(0.0, view.low_y_mm + double(column) * kPixel_mm,
@@ -57,8 +60,7 @@ std::vector<bool> hole_pixels(const LateralView& view) {
           highest_mm = std::max(highest_mm, view.at(column + step * dc, row + step * dr));
         rim_mm = std::min(rim_mm, highest_mm);
       }
-      is_hole[std::size_t(column + view.columns * row)] =
-          view.at(column, row) < rim_mm - kDepth_mm;
+      is_hole[std::size_t(column + view.columns * row)] = view.at(column, row) < rim_mm - kDepth_mm;
     }
   return is_hole;
 }
@@ -87,8 +89,8 @@ std::vector<Index> take_component(std::vector<bool>& is_hole, const LateralView&
 /// degrees to the lateral direction.
 Index rim_above(const LateralView& view, Index column, Index row) {
   constexpr Index kOver = 2;  // Pixels.
-  while (row + kOver < view.rows && view.at(column, row + kOver) - view.at(column, row) >
-                                        double(kOver) * kPixel_mm)
+  while (row + kOver < view.rows &&
+         view.at(column, row + kOver) - view.at(column, row) > double(kOver) * kPixel_mm)
     ++row;
   return row;
 }
@@ -140,8 +142,7 @@ void find_lateral(const HeadInF& head, LandmarkList& list) {
     const SurfaceColumns lines(head.skull, 0, Box3(low, high), kPixel_mm);
     const Box3 arch(Vec3(low.x(), orbitale->y() + 12.0, orbitale->z() - 18.0),
                     Vec3(high.x(), orbitale->y() + 60.0, orbitale->z() + 8.0));
-    const auto outermost =
-        side.sign > 0.0 ? lines.last_within(arch) : lines.first_within(arch);
+    const auto outermost = side.sign > 0.0 ? lines.last_within(arch) : lines.first_within(arch);
     list.add(zygion, find_extremum(outermost, Vec3(side.sign, 0.0, 0.0), list.voxel_mm()), 0.5,
              "no zygomatic arch");
     const Box3 ear(Vec3(low.x(), orbitale->y() + 50.0, orbitale->z() - 22.0),

@@ -12,7 +12,6 @@ namespace {
 using geometry::SurfaceColumns;
 using geometry::TriangleMesh;
 
-
 /// Vertices of the chin: the most anterior 30 mm.
 std::vector<Vec3> chin_of(const TriangleMesh& mandible, const Box3& box) {
   constexpr double kDepth_mm = 30.0;
@@ -50,7 +49,8 @@ double middle_of(const std::vector<Vec3>& chin, double voxel_mm) {
 
 /// L1, B, Pg, Gn and Me in the middle of the chin.
 void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
-  constexpr double kHalf_mm = 3.0, kDepth_mm = 22.0, kLower_mm = 24.0, kTeeth_mm = 22.0, kTeethDepth_mm = 18.0;
+  constexpr double kHalf_mm = 3.0, kDepth_mm = 22.0, kLower_mm = 24.0, kTeeth_mm = 22.0,
+                   kTeethDepth_mm = 18.0;
   const double voxel_mm = list.voxel_mm();
   const double middle_mm = middle_of(chin_of(*head.mandible, box), voxel_mm);
   const Box3 window(Vec3(middle_mm - 8.0, box.min().y() - 1.0, box.min().z() - 1.0),
@@ -78,8 +78,7 @@ void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
       find_extremum(between_heights(lower, low_mm, low_mm + 0.75 * kLower_mm), kAnterior, voxel_mm);
   std::vector<Vec3> outline = lower;
   outline.insert(outline.end(), underside.begin(), underside.end());
-  const auto gnathion =
-      find_extremum(outline, Vec3(0.0, -1.0, -1.0).normalized(), voxel_mm);
+  const auto gnathion = find_extremum(outline, Vec3(0.0, -1.0, -1.0).normalized(), voxel_mm);
   const TriangleMesh& teeth = head.lower_teeth ? *head.lower_teeth : *head.mandible;
   const SurfaceColumns above(teeth, 2, window, kPixel_mm);
   Box3 incisors = strip(6.0);
@@ -155,11 +154,11 @@ void find_lower_molar(const HeadInF& head, const Side& side, LandmarkList& list)
 void find_mandible_landmarks(const HeadInF& head, LandmarkList& list) {
   constexpr double kMinDepth_mm = 60.0;  // From chin to ramus.
   const std::string none = "no mandible in the labels";
-  const bool is_there = head.mandible && geometry::bounding_box(*head.mandible).sizes().y() >
-                                             kMinDepth_mm;
+  const bool is_there =
+      head.mandible && geometry::bounding_box(*head.mandible).sizes().y() > kMinDepth_mm;
   if (!is_there) {
-    for (const char* const name : {"Me", "Pg", "Gn", "B", "L1", "Co-R", "Co-L", "Go-R", "Go-L",
-                                   "L6-R", "L6-L"})
+    for (const char* const name :
+         {"Me", "Pg", "Gn", "B", "L1", "Co-R", "Co-L", "Go-R", "Go-L", "L6-R", "L6-L"})
       list.miss(name, none);
     return;
   }

@@ -49,11 +49,11 @@ std::optional<Extremum> find_a_point(const SurfaceColumns& front, const Vec3& sp
                                      double voxel_mm) {
   constexpr double kNear_mm = 7.0, kFarBelow_mm = 28.0, kHalf_mm = 1.5, kMaxOffset_mm = 15.0;
   std::vector<Vec3> profile;
-  for (const Vec3& p :
-       mid_profile(front, kHalf_mm, spine.z() - kFarBelow_mm, spine.z()))
+  for (const Vec3& p : mid_profile(front, kHalf_mm, spine.z() - kFarBelow_mm, spine.z()))
     if (std::abs(p.y() - spine.y()) < kMaxOffset_mm) profile.push_back(p);
-  const auto crest = find_extremum(
-      between_heights(profile, spine.z() - kFarBelow_mm, spine.z() - kNear_mm), kAnterior, voxel_mm);
+  const auto crest =
+      find_extremum(between_heights(profile, spine.z() - kFarBelow_mm, spine.z() - kNear_mm),
+                    kAnterior, voxel_mm);
   if (!crest) return std::nullopt;
   return find_deepest(profile, spine, crest->point, voxel_mm);
 }
@@ -151,13 +151,13 @@ void find_upper_teeth(const HeadInF& head, LandmarkList& list) {
   }
   const geometry::TriangleMesh& teeth = head.upper_teeth ? *head.upper_teeth : head.skull;
   const Box3 box =
-      box_of(-45.0, 45.0, a_point->y() - kAhead_mm, a_point->y() + 60.0,
-             spine->z() - kMaxBelow_mm, spine->z() - (head.upper_teeth ? 0.0 : kMinBelow_mm));
+      box_of(-45.0, 45.0, a_point->y() - kAhead_mm, a_point->y() + 60.0, spine->z() - kMaxBelow_mm,
+             spine->z() - (head.upper_teeth ? 0.0 : kMinBelow_mm));
   const SurfaceColumns below(teeth, 2, box, kPixel_mm);
-  const auto incisor = find_extremum(
-      below.first_within(box_of(-kHalf_mm, kHalf_mm, a_point->y() - kAhead_mm,
-                                a_point->y() + kBehind_mm, -kFar_mm, kFar_mm)),
-      kInferior, list.voxel_mm());
+  const auto incisor =
+      find_extremum(below.first_within(box_of(-kHalf_mm, kHalf_mm, a_point->y() - kAhead_mm,
+                                              a_point->y() + kBehind_mm, -kFar_mm, kFar_mm)),
+                    kInferior, list.voxel_mm());
   list.add("U1", incisor, 0.5, none);
   const auto found = list.at("U1");
   for (const Side& side : kSides) {
@@ -184,8 +184,8 @@ void find_midface(const HeadInF& head, const SurfaceColumns& front,
                   const std::optional<FacialCavities>& cavities, LandmarkList& list) {
   const double voxel_mm = list.voxel_mm();
   if (!cavities) {
-    for (const char* const name : {"N", "Or-R", "Or-L", "FZ-R", "FZ-L", "ANS", "A", "PNS", "U1",
-                                   "U6-R", "U6-L"})
+    for (const char* const name :
+         {"N", "Or-R", "Or-L", "FZ-R", "FZ-L", "ANS", "A", "PNS", "U1", "U6-R", "U6-L"})
       list.miss(name, "no orbits in the skull");
     return;
   }

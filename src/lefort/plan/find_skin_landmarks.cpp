@@ -106,8 +106,8 @@ constexpr double kNotchWithin_mm = 6.0, kMinNotch_mm = 0.4;
 void find_nose_and_lips(const Face& face, const Vec3& tip, LandmarkList& list) {
   const double voxel_mm = face.voxel_mm();
   const auto profile = face.profile(tip.z() - 80.0, tip.z());
-  const auto lip = find_extremum(between_heights(profile, tip.z() - 34.0, tip.z() - 18.0),
-                                 kAnterior, voxel_mm);
+  const auto lip =
+      find_extremum(between_heights(profile, tip.z() - 34.0, tip.z() - 18.0), kAnterior, voxel_mm);
   std::optional<Extremum> subnasale;
   if (lip) subnasale = find_deepest(profile, {0.0, tip.y(), tip.z()}, lip->point, voxel_mm);
   list.add("Sn", subnasale, 0.5, "the skin ends below the nose");
@@ -152,11 +152,13 @@ void find_soft_menton(const geometry::TriangleMesh& skin, LandmarkList& list) {
            "no skin within 30 mm below menton");
 }
 
-/// The wall of the ala is the last steep part of an axial section. Its most lateral point is in front
-/// of the largest step, behind which the groove between ala and cheek is hidden from the front.
+/// The wall of the ala is the last steep part of an axial section; its most lateral point is within
+/// the largest step, behind which the groove between ala and cheek is hidden from the front.
 std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3& base,
                                    const Side& side) {
   constexpr double kFrom_mm = 5.0, kTo_mm = 28.0, kMinSlope = 1.2;
+  // Depth within half a pixel of the silhouette of a wall with a radius of 8 mm.
+  constexpr double kWithinPixel_mm = 2.0;
   std::vector<Vec3> walls;
   for (double z = base.z() + 2.0; z <= tip.z() + 3.0; z += kPixel_mm) {
     const auto row = face.row(z, side.sign, kFrom_mm, kTo_mm);
@@ -169,6 +171,7 @@ std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3
       if (is_steep && (!is_in_wall || step_mm > largest_mm)) {
         largest_mm = step_mm;
         wall = row[i];
+        wall->y() += std::min(0.5 * step_mm, kWithinPixel_mm);
       }
       is_in_wall = is_steep;
     }
@@ -180,12 +183,13 @@ std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3
 /// Follows the notch between the lips laterally while it is deep enough.
 std::optional<Extremum> find_cheilion(const Face& face, const Vec3& stomion, double sign) {
   constexpr double kMax_mm = 40.0, kMin_mm = 12.0, kHalf_mm = 5.0, kMaxGap_mm = 2.0;
+  constexpr double kMinDepth_mm = 0.7;
   Vec3 last = stomion;
   for (double x = kPixel_mm; x < kMax_mm; x += kPixel_mm) {
     if (x - sign * last.x() > kMaxGap_mm) break;
     const auto around = face.profile(last.z() - kHalf_mm - kNotchWithin_mm,
                                      last.z() + kHalf_mm + kNotchWithin_mm, sign * x);
-    std::optional<Notch> notch = find_notch(around, kNotchWithin_mm, kMinNotch_mm);
+    std::optional<Notch> notch = find_notch(around, kNotchWithin_mm, kMinDepth_mm);
     if (notch && std::abs(notch->point.z() - last.z()) < kHalf_mm) last = notch->point;
   }
   if (sign * last.x() < kMin_mm) return std::nullopt;
@@ -203,39 +207,36 @@ std::optional<Extremum> find_endocanthion(const Face& face, double eye_mm, doubl
   return find_extremum(points, kPosterior, face.voxel_mm());
 }
 
-/// Lateral to the eye, the point furthest behind the chord of an axial section.
+/// Lateral to the eye, the point of the axial sections with the largest concavity over 4 mm.
 std::optional<Extremum> find_exocanthion(const Face& face, double eye_mm, double globe_mm,
                                          double sign) {
-  constexpr double kHalfHeight_mm = 4.0, kWidth_mm = 22.0, kMinDepth_mm = 0.2;
+  constexpr double kHalfHeight_mm = 4.0, kFrom_mm = 4.0, kTo_mm = 22.0, kMinDepth_mm = 0.2;
+  constexpr std::size_t kReach = 8;  // Pixels.
   std::optional<Extremum> best;
   double deepest_mm = kMinDepth_mm;
   for (double z = eye_mm - kHalfHeight_mm; z <= eye_mm + kHalfHeight_mm; z += kPixel_mm) {
-    const auto row = face.row(z, sign, globe_mm, globe_mm + kWidth_mm);
-    if (row.size() < 10) continue;
-    const Vec3 chord = row.back() - row.front();
-    const Vec3 normal = Vec3(-sign * chord.y(), sign * chord.x(), 0.0).normalized();
-    const auto found = find_extremum(row, normal, face.voxel_mm());
-    const double depth_mm = normal.dot(found->point - row.front());
-    if (depth_mm <= deepest_mm) continue;
-    deepest_mm = depth_mm;
-    best = found;
+    const auto row = face.row(z, sign, globe_mm + kFrom_mm, globe_mm + kTo_mm);
+    for (std::size_t i = kReach; i + kReach < row.size(); ++i) {
+      const double depth_mm = row[i].y() - 0.5 * (row[i - kReach].y() + row[i + kReach].y());
+      if (depth_mm <= deepest_mm) continue;
+      deepest_mm = depth_mm;
+      best = Extremum{row[i], 1.0};
+    }
   }
   return best;
 }
 
-void find_eyes(const Face& face, const std::optional<FacialCavities>& cavities,
-               const Vec3& tip, const std::optional<Vec3>& root, LandmarkList& list) {
+void find_eyes(const Face& face, const std::optional<FacialCavities>& cavities, const Vec3& tip,
+               const std::optional<Vec3>& root, LandmarkList& list) {
   const double eye_mm = cavities ? cavities->orbit_center_mm()
                                  : tip.z() + 0.7 * ((root ? root->z() : tip.z() + 42.0) - tip.z());
   for (std::size_t n = 0; n < 2; ++n) {
     const Side& side = kSides[n];
     const double globe_mm = cavities ? std::abs(cavities->orbit_center_x_mm[n]) : 32.0;
-    list.add(std::string("En") + side.suffix,
-             find_endocanthion(face, eye_mm, globe_mm, side.sign), 2.0,
-             "no skin beside the nose at the height of the orbits");
-    list.add(std::string("Ex") + side.suffix,
-             find_exocanthion(face, eye_mm, globe_mm, side.sign), 4.0,
-             "no groove lateral to the eye");
+    list.add(std::string("En") + side.suffix, find_endocanthion(face, eye_mm, globe_mm, side.sign),
+             2.0, "no skin beside the nose at the height of the orbits");
+    list.add(std::string("Ex") + side.suffix, find_exocanthion(face, eye_mm, globe_mm, side.sign),
+             4.0, "no concavity lateral to the eye");
   }
 }
 
@@ -255,10 +256,9 @@ void find_skin_landmarks(const HeadInF& head, const std::optional<FacialCavities
   if (!head.skin) return miss_all("no skin");
   const Face face(*head.skin, list.voxel_mm());
   const Box3 box = geometry::bounding_box(*head.skin);
-  const auto tip_found =
-      cavities ? find_pronasale(face, cavities->orbit_center_mm() - kBelow_mm,
-                                cavities->orbit_high_mm + kAbove_mm)
-               : find_pronasale(face, box.min().z(), box.max().z());
+  const auto tip_found = cavities ? find_pronasale(face, cavities->orbit_center_mm() - kBelow_mm,
+                                                   cavities->orbit_high_mm + kAbove_mm)
+                                  : find_pronasale(face, box.min().z(), box.max().z());
   if (!tip_found) return miss_all("no nose");
   list.add("Prn", tip_found, 0.5, "");
   const Vec3 tip = tip_found->point;

@@ -33,10 +33,10 @@ nlohmann::json as_json(const plan::LandmarkSearch& search) {
 }
 
 std::string as_text(const plan::LandmarkSearch& search) {
-  std::string text = fmt::format("{} landmarks found; directions from the symmetry of the skull "
-                                 "and the {}\n  landmark   x mm     y mm     z mm     uncertainty",
-                                 search.found.size(),
-                                 search.has_frankfurt_horizontal ? "Frankfurt horizontal" : "scan");
+  std::string text = fmt::format(
+      "{} landmarks found; directions from the symmetry of the skull "
+      "and the {}\n  landmark   x mm     y mm     z mm     uncertainty",
+      search.found.size(), search.has_frankfurt_horizontal ? "Frankfurt horizontal" : "scan");
   for (const auto& [landmark, uncertainty_mm] : search.found)
     text += fmt::format("\n  {:<6} {:8.1f} {:8.1f} {:8.1f}   {:4.1f} mm  {}", landmark.name,
                         landmark.point_L.x(), landmark.point_L.y(), landmark.point_L.z(),

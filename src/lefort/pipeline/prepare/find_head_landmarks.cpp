@@ -27,9 +27,8 @@ Result<plan::LandmarkSearch> find_head_landmarks(const image::CtVolume& ct,
   if (has_mandible(labels)) {
     LEFORT_TRY(mandible_L, bone_of(anatomy::Bones::kMandible));
   }
-  LEFORT_TRY(
-      const geometry::TriangleMesh skin_L,
-      anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
+  LEFORT_TRY(const geometry::TriangleMesh skin_L,
+             anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
   progress.begin_stage("find landmarks");
   return plan::find_landmarks({.skull_L = &skull_L,
                                .mandible_L = mandible_L ? &*mandible_L : nullptr,
@@ -46,9 +45,10 @@ std::vector<std::string> remarks_of(const plan::LandmarkSearch& search) {
 }
 
 std::string describe(const plan::LandmarkSearch& search) {
-  std::string text = fmt::format("{} landmarks found automatically, with standard uncertainties in "
-                                 "mm:",
-                                 search.found.size());
+  std::string text = fmt::format(
+      "{} landmarks found automatically, with standard uncertainties in "
+      "mm:",
+      search.found.size());
   for (const plan::FoundLandmark& one : search.found)
     text += fmt::format(" {} {:.1f}", one.landmark.name, one.uncertainty_mm);
   if (search.missing.empty()) return text;

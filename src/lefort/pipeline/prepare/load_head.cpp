@@ -47,10 +47,11 @@ Result<ScannedLabels> scan_labels(const io::PlanFile& plan, const fs::path& ct_p
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
   std::string ct_sha256 = io::Sha256().add(scan.ct).hex();
   LEFORT_TRY(anatomy::LabelMap labels, find_labels(plan, scan.ct, ct_sha256, cache, progress));
-  return ScannedLabels{std::move(scan),
-                       std::move(ct_sha256),
-                       std::move(labels),
-                       {.bone_hu = plan.segmentation.bone_hu, .skin_hu = plan.segmentation.skin_hu}};
+  return ScannedLabels{
+      std::move(scan),
+      std::move(ct_sha256),
+      std::move(labels),
+      {.bone_hu = plan.segmentation.bone_hu, .skin_hu = plan.segmentation.skin_hu}};
 }
 
 Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,

@@ -67,11 +67,12 @@ Summary summarize(std::map<std::string, Errors>& errors, int heads) {
                   {"missing", one.missing}};
   }
   std::sort(all.begin(), all.end());
-  summary.text = fmt::format("{} heads, {} landmarks: median {:.2f} mm, P95 {:.2f} mm, max {:.2f} "
-                             "mm; {} not found\n",
-                             heads, all.size(), quantile(all, 0.5), quantile(all, 0.95),
-                             quantile(all, 1.0), missing) +
-                 summary.text;
+  summary.text =
+      fmt::format(
+          "{} heads, {} landmarks: median {:.2f} mm, P95 {:.2f} mm, max {:.2f} "
+          "mm; {} not found\n",
+          heads, all.size(), quantile(all, 0.5), quantile(all, 0.95), quantile(all, 1.0), missing) +
+      summary.text;
   summary.json = {{"heads", heads},
                   {"landmarks", all.size()},
                   {"median_mm", quantile(all, 0.5)},
