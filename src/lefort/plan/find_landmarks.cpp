@@ -22,17 +22,17 @@ std::vector<Vec3> every_nth(const std::vector<Vec3>& points, Index count) {
   return chosen;
 }
 
-/// The symmetry plane of the skull: the best of nine starts with few points, then with many.
+/// The symmetry plane of the skull: the best of 25 starts with few points, then with many.
 SymmetryPlane find_mid_sagittal(const geometry::TriangleMesh& skull_L) {
   constexpr Index kFew = 500, kMany = 6000;
-  constexpr double kStep_rad = 12.0 * std::numbers::pi / 180.0;
+  constexpr double kStep_rad = 7.0 * std::numbers::pi / 180.0;
   const geometry::Bvh surface(skull_L);
   const Box3 box_L = geometry::bounding_box(skull_L);
   const std::vector<Vec3> few = every_nth(skull_L.vertices, kFew);
   SymmetryPlane best;
   double least_mm = std::numeric_limits<double>::infinity();
-  for (int yaw = -1; yaw <= 1; ++yaw)
-    for (int roll = -1; roll <= 1; ++roll) {
+  for (int yaw = -2; yaw <= 2; ++yaw)
+    for (int roll = -2; roll <= 2; ++roll) {
       const Vec3 normal = Vec3(1.0, kStep_rad * yaw, kStep_rad * roll).normalized();
       const SymmetryPlane plane =
           geometry::fit_symmetry_plane(surface, few, {box_L.center(), normal});

@@ -183,13 +183,13 @@ std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3
 /// Follows the notch between the lips laterally while it is deep enough.
 std::optional<Extremum> find_cheilion(const Face& face, const Vec3& stomion, double sign) {
   constexpr double kMax_mm = 40.0, kMin_mm = 12.0, kHalf_mm = 5.0, kMaxGap_mm = 2.0;
-  constexpr double kMinDepth_mm = 0.7;
+  constexpr double kSharp_mm = 3.0;  // The line between the lips is narrower than other folds.
   Vec3 last = stomion;
   for (double x = kPixel_mm; x < kMax_mm; x += kPixel_mm) {
     if (x - sign * last.x() > kMaxGap_mm) break;
     const auto around = face.profile(last.z() - kHalf_mm - kNotchWithin_mm,
                                      last.z() + kHalf_mm + kNotchWithin_mm, sign * x);
-    std::optional<Notch> notch = find_notch(around, kNotchWithin_mm, kMinDepth_mm);
+    std::optional<Notch> notch = find_notch(around, kSharp_mm, kMinNotch_mm);
     if (notch && std::abs(notch->point.z() - last.z()) < kHalf_mm) last = notch->point;
   }
   if (sign * last.x() < kMin_mm) return std::nullopt;

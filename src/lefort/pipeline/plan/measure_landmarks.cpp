@@ -10,29 +10,29 @@
 namespace lefort::pipeline {
 namespace {
 
-nlohmann::json as_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json xyz_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-nlohmann::json as_json(const plan::LandmarkSearch& search) {
+nlohmann::json search_json(const plan::LandmarkSearch& search) {
   nlohmann::json found = nlohmann::json::object(), missing = nlohmann::json::object();
   for (const plan::FoundLandmark& one : search.found)
-    found[one.landmark.name] = {{"point_mm", as_json(one.landmark.point_L)},
+    found[one.landmark.name] = {{"point_mm", xyz_json(one.landmark.point_L)},
                                 {"uncertainty_mm", one.uncertainty_mm}};
   for (const plan::MissingLandmark& one : search.missing) missing[one.name] = one.reason;
   const Mat3 R_LF = search.X_FL.linear().transpose();
   return {{"found", found},
           {"missing", missing},
           {"mid_sagittal_plane",
-           {{"point_mm", as_json(search.mid_sagittal_L.point)},
-            {"normal_to_left", as_json(search.mid_sagittal_L.normal)},
+           {{"point_mm", xyz_json(search.mid_sagittal_L.point)},
+            {"normal_to_left", xyz_json(search.mid_sagittal_L.normal)},
             {"rms_mm", search.mid_sagittal_L.rms_mm}}},
           {"directions",
-           {{"left", as_json(R_LF.col(0))},
-            {"posterior", as_json(R_LF.col(1))},
-            {"superior", as_json(R_LF.col(2))},
+           {{"left", xyz_json(R_LF.col(0))},
+            {"posterior", xyz_json(R_LF.col(1))},
+            {"superior", xyz_json(R_LF.col(2))},
             {"posterior_is", search.has_frankfurt_horizontal ? "Frankfurt horizontal" : "scan"}}}};
 }
 
-std::string as_text(const plan::LandmarkSearch& search) {
+std::string search_text(const plan::LandmarkSearch& search) {
   std::string text = fmt::format(
       "{} landmarks found; directions from the symmetry of the skull "
       "and the {}\n  landmark   x mm     y mm     z mm     uncertainty",
@@ -86,12 +86,12 @@ Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress) {
   if (job.save) LEFORT_TRY_VOID(io::write_landmarks(*job.save, last.landmarks, last.remarks));
 
   Summary summary;
-  summary.text = before.search ? as_text(*before.search)
+  summary.text = before.search ? search_text(*before.search)
                                : fmt::format("{} landmarks", before.landmarks.size());
   summary.text += cephalometric_text(table, after);
   summary.json = {{"landmarks", before.landmarks.size()},
                   {"measurements", cephalometric_json(table, after)}};
-  if (before.search) summary.json["search"] = as_json(*before.search);
+  if (before.search) summary.json["search"] = search_json(*before.search);
   return summary;
 }
 
