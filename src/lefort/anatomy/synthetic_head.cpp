@@ -1,3 +1,4 @@
+#include <lefort/anatomy/implicit_shapes.h>
 #include <lefort/anatomy/synthetic_head.h>
 #include <lefort/core/parallel.h>
 
@@ -7,6 +8,10 @@
 namespace lefort::anatomy {
 namespace {
 
+using implicit::ellipsoid;
+using implicit::join;
+using implicit::without;
+
 // Dimensions of the head in L, in mm, similar to an adult's. Left and right differ everywhere.
 const Vec3 kCranium(0.0, 5.0, 25.0);
 const Vec3 kCraniumOuter(69.0, 88.0, 78.0);
@@ -15,29 +20,11 @@ const Vec3 kMaxilla(0.0, -48.0, -38.0);
 const Vec3 kNeck(0.0, 25.0, 0.0);
 constexpr double kLowest_mm = -112.0;  // Lower end of the scan.
 
-/// Distance to an ellipsoid, positive inside, exact to first order at its surface.
-double ellipsoid(const Vec3& p, const Vec3& center, const Vec3& radii) {
-  const Vec3 q = (p - center).cwiseQuotient(radii);
-  const double k = q.norm();
-  const double slope = q.cwiseQuotient(radii).norm();
-  if (slope < 1e-9) return radii.minCoeff();
-  return k * (1.0 - k) / slope;
-}
-
 /// Distance to a capsule, positive inside.
 double capsule(const Vec3& p, const Vec3& a, const Vec3& b, double radius) {
   const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
   return radius - (p - a - t * (b - a)).norm();
 }
-
-/// Union of two bodies, with a fillet of about `width`.
-double smooth_union(double a, double b, double width) {
-  const double h = std::max(width - std::abs(a - b), 0.0) / width;
-  return std::max(a, b) + 0.25 * h * h * width;
-}
-
-/// Difference of two bodies, with a rounded edge.
-double smooth_difference(double a, double b, double width) { return -smooth_union(-a, b, width); }
 
 /// Distance to half an elliptic torus in the plane z = `center.z()`, open to posterior.
 double arch(const Vec3& p, const Vec3& center, double half_width, double depth, double radius) {
@@ -99,7 +86,7 @@ double skin(const Vec3& p) {
   const Vec3 in_plane(p.x(), p.y(), 0.0);
   const double column_of_neck = ellipsoid(in_plane, kNeck, {54.0, 58.0, 1.0});
   const double neck = p.z() > -20.0 ? std::min(column_of_neck, -20.0 - p.z()) : column_of_neck;
-  return smooth_union(smooth_union(smooth_union(cranium, face, 20.0), nose, 8.0), neck, 20.0);
+  return join(join(join(cranium, face, 20.0), nose, 8.0), neck, 20.0);
 }
 
 double brain(const Vec3& p) {
@@ -110,11 +97,11 @@ double skull(const Vec3& p) {
   double shell = std::min(ellipsoid(p, kCranium, kCraniumOuter), -brain(p));
   const Vec3 hole = Vec3(-0.5, -0.8, 0.35).normalized();  // On the patient's right, in front.
   if ((p - kCranium).dot(hole) > 0.0)
-    shell = smooth_difference(shell, 11.0 - (p - kCranium).cross(hole).norm(), 3.0);
+    shell = without(shell, 11.0 - (p - kCranium).cross(hole).norm(), 3.0);
   if (p.z() < kCranium.z())  // Foramen magnum.
-    shell = smooth_difference(shell, 13.0 - std::hypot(p.x(), p.y() - 38.0), 3.0);
+    shell = without(shell, 13.0 - std::hypot(p.x(), p.y() - 38.0), 3.0);
   const double block = ellipsoid(p, kMaxilla, {38.0, 36.0, 30.0});
-  return smooth_union(shell, smooth_difference(block, brain(p), 3.0), 4.0);
+  return join(shell, without(block, brain(p), 3.0), 4.0);
 }
 
 double mandible(const Vec3& p) {
@@ -122,7 +109,7 @@ double mandible(const Vec3& p) {
   const double body = arch(p, chin, 38.0, 40.0, 8.0);
   const double left = capsule(p, {36.0, -35.0, -88.0}, {43.0, -18.0, -46.0}, 6.5);
   const double right = capsule(p, {-40.0, -35.0, -88.0}, {-43.0, -18.0, -48.0}, 5.0);
-  return smooth_union(smooth_union(body, left, 4.0), right, 4.0);
+  return join(join(body, left, 4.0), right, 4.0);
 }
 
 double column(const Vec3& p) {
@@ -133,7 +120,7 @@ double airway(const Vec3& p) {
   const double nostril = capsule(p, {3.0, -130.0, -46.0}, {1.0, -75.0, -45.0}, 4.0);
   const double nose = ellipsoid(p, {0.0, -50.0, -42.0}, {9.0, 38.0, 16.0});
   const double pharynx = capsule(p, {0.0, -10.0, -42.0}, {0.0, -6.0, -92.0}, 9.0);
-  return smooth_union(smooth_union(nostril, nose, 3.0), pharynx, 6.0);
+  return join(join(nostril, nose, 3.0), pharynx, 6.0);
 }
 
 double sinuses(const Vec3& p) {

@@ -103,11 +103,15 @@ Result<std::optional<plan::Landmark>> read_row(const std::vector<std::string>& f
   return landmark;
 }
 
-std::string landmark_table(std::span<const plan::Landmark> landmarks) {
+std::string landmark_table(std::span<const plan::Landmark> landmarks,
+                           std::span<const std::string> remarks) {
   std::string text = "name,x_mm,y_mm,z_mm,meaning\n";
-  for (const auto& [name, p_L] : landmarks)
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const auto& [name, p_L] = landmarks[i];
+    const std::string remark = remarks.empty() ? "" : "; " + remarks[i];
     text += fmt::format("{},{},{},{},{}\n", internal::csv_field(name), p_L.x(), p_L.y(), p_L.z(),
-                        internal::csv_field(plan::full_name(name)));
+                        internal::csv_field(plan::full_name(name) + remark));
+  }
   return text;
 }
 
@@ -177,10 +181,11 @@ Result<plan::Landmarks> read_landmarks(const fs::path& file) {
   return landmarks;
 }
 
-Result<void> write_landmarks(const fs::path& file, std::span<const plan::Landmark> landmarks) {
+Result<void> write_landmarks(const fs::path& file, std::span<const plan::Landmark> landmarks,
+                             std::span<const std::string> remarks) {
   LEFORT_TRY_VOID(check_landmarks_ending(file));
-  if (is_markups(file)) return write_point_list(file, "landmarks", landmarks);
-  return write_text(file, landmark_table(landmarks));
+  if (is_markups(file)) return write_point_list(file, "landmarks", landmarks, remarks);
+  return write_text(file, landmark_table(landmarks, remarks));
 }
 
 Result<void> check_landmarks_ending(const fs::path& file) {

@@ -47,9 +47,11 @@ namespace lefort::io {
 ///
 /// \param file       ends in `.mrk.json` or `.csv`.
 /// \param landmarks  to write.
+/// \param remarks    one for each landmark, added to its meaning; or none.
 /// \returns nothing, kFileUnsupported (the ending), or kFileUnwritable.
 [[nodiscard]] Result<void> write_landmarks(const std::filesystem::path& file,
-                                           std::span<const plan::Landmark> landmarks);
+                                           std::span<const plan::Landmark> landmarks,
+                                           std::span<const std::string> remarks = {});
 
 /// Checks the ending of a file for write_landmarks() before the landmarks are computed.
 ///

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/io/internal/validated_json.h>
 #include <lefort/io/markups_file.h>
 #include <lefort/io/write_atomically.h>
@@ -127,13 +128,16 @@ Result<std::vector<Markup>> read_markups(const std::filesystem::path& file) {
 }
 
 Result<void> write_point_list(const std::filesystem::path& file, const std::string& name,
-                              std::span<const plan::Landmark> points_L) {
+                              std::span<const plan::Landmark> points_L,
+                              std::span<const std::string> remarks) {
   using Ordered = nlohmann::ordered_json;
+  LEFORT_CHECK(remarks.empty() || remarks.size() == points_L.size());
   Ordered points = Ordered::array();
   for (const auto& [label, p_L] : points_L)
     points.push_back({{"id", std::to_string(points.size() + 1)},
                       {"label", label},
-                      {"description", plan::full_name(label)},
+                      {"description", plan::full_name(label) +
+                                          (remarks.empty() ? "" : "; " + remarks[points.size()])},
                       {"associatedNodeID", ""},
                       {"position", {p_L.x(), p_L.y(), p_L.z()}},
                       {"orientation", {-1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0}},

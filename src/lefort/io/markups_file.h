@@ -52,9 +52,11 @@ struct Markup {
 /// \param file      ends in `.mrk.json`.
 /// \param name      of the list.
 /// \param points_L  named points in frame L.
+/// \param remarks   one for each point, added to its description; or none.
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_point_list(const std::filesystem::path& file,
                                             const std::string& name,
-                                            std::span<const plan::Landmark> points_L);
+                                            std::span<const plan::Landmark> points_L,
+                                            std::span<const std::string> remarks = {});
 
 }  // namespace lefort::io

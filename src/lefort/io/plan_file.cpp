@@ -118,7 +118,8 @@ void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
   read(boundary, "contact_snap_mm", options.contact_snap_mm);
 }
 
-Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
+/// Scan and labels.
+PlanFile read_scan(const Json& json, const fs::path& folder) {
   PlanFile plan;
   read(json, "title", plan.title);
   if (json.contains("ct")) plan.ct = folder / json["ct"].get<std::string>();
@@ -128,7 +129,21 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   read(segmentation, "skin_hu", plan.segmentation.skin_hu);
   if (segmentation.contains("labels"))
     plan.labels = folder / segmentation["labels"].get<std::string>();
+  return plan;
+}
 
+bool has_auto_landmarks(const Json& json) {
+  const auto landmarks = json.find("landmarks");
+  return landmarks != json.end() && landmarks->is_string() &&
+         landmarks->get<std::string>() == "auto";
+}
+
+Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
+  PlanFile plan = read_scan(json, folder);
+  if (has_auto_landmarks(json))
+    return fail(ErrorCode::kPlanInvalid,
+                "landmarks: \"auto\" is for `lefort plan check` and `lefort predict` with a scan; "
+                "here, find them with `lefort landmarks --find` and name the file");
   if (json.contains("landmarks")) {
     LEFORT_TRY(plan.landmarks, internal::read_plan_landmarks(json["landmarks"], folder));
     LEFORT_TRY_VOID(plan::patient_left_axis(plan.landmarks));  // Whether names and sides fit.
@@ -158,6 +173,19 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   return plan;
 }
 
+fs::path folder_of(const fs::path& file) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(file, error);
+  return (error ? file : absolute).parent_path();
+}
+
+Result<PlanText> parse_plan_of(const fs::path& file, std::string text) {
+  Result<PlanFile> plan = parse_plan(text, folder_of(file));
+  if (!plan)
+    return fail(plan.error().code, fmt::format("plan {}: {}", file.string(), plan.error().message));
+  return PlanText{*std::move(plan), std::move(text)};
+}
+
 }  // namespace
 
 Result<PlanFile> parse_plan(std::string_view text, const fs::path& folder) {
@@ -176,12 +204,27 @@ Result<std::string> rename_plan_keys(std::string_view text) {
 
 Result<PlanText> read_plan_text(const fs::path& file) {
   LEFORT_TRY(std::string text, read_text(file, kMaxPlan));
-  std::error_code error;
-  const fs::path absolute = fs::absolute(file, error);
-  Result<PlanFile> plan = parse_plan(text, (error ? file : absolute).parent_path());
-  if (!plan)
-    return fail(plan.error().code, fmt::format("plan {}: {}", file.string(), plan.error().message));
-  return PlanText{*std::move(plan), std::move(text)};
+  return parse_plan_of(file, std::move(text));
+}
+
+Result<std::optional<PlanForLandmarks>> read_plan_for_landmarks(const fs::path& file) {
+  LEFORT_TRY(std::string text, read_text(file, kMaxPlan));
+  const Result<internal::CheckedJson> checked =
+      internal::parse_checked(text, kPlanSchema, "the plan", deprecated_in_plans());
+  if (!checked)
+    return fail(checked.error().code,
+                fmt::format("plan {}: {}", file.string(), checked.error().message));
+  if (!has_auto_landmarks(checked->json)) return std::nullopt;
+  return PlanForLandmarks{read_scan(checked->json, folder_of(file)), std::move(text)};
+}
+
+Result<PlanText> with_landmarks(const PlanForLandmarks& open, const plan::Landmarks& landmarks,
+                                const fs::path& file) {
+  auto json = nlohmann::ordered_json::parse(open.json);
+  auto points = nlohmann::ordered_json::object();
+  for (const auto& [name, p_L] : landmarks) points[name] = {p_L.x(), p_L.y(), p_L.z()};
+  json["landmarks"] = points;
+  return parse_plan_of(file, json.dump(2) + "\n");
 }
 
 Result<PlanFile> read_plan(const fs::path& file) {

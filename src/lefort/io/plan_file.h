@@ -39,7 +39,26 @@ struct PlanText {
   std::string json;
 };
 
-/// Reads and checks a plan.
+/// A plan whose landmarks are "auto".
+struct PlanForLandmarks {
+  PlanFile plan;     ///< Without landmarks, segments and options that depend on them.
+  std::string json;  ///< As it was read.
+};
+
+/// \returns the plan if its landmarks are "auto", nothing if they are not; or what read_plan()
+///   returns.
+[[nodiscard]] Result<std::optional<PlanForLandmarks>> read_plan_for_landmarks(
+    const std::filesystem::path& file);
+
+/// The plan with the given landmarks in place of "auto".
+///
+/// \param file  the plan, for messages and relative paths.
+/// \returns as read_plan_text().
+[[nodiscard]] Result<PlanText> with_landmarks(const PlanForLandmarks& open,
+                                              const plan::Landmarks& landmarks,
+                                              const std::filesystem::path& file);
+
+/// Reads and checks a plan. Landmarks must not be "auto" (read_plan_for_landmarks()).
 ///
 /// Files that the plan names (landmarks, targets, transforms, curves) are also read.
 ///

@@ -13,14 +13,16 @@
 namespace lefort::pipeline {
 
 struct LandmarksJob {
-  std::filesystem::path before;                 ///< .mrk.json or .csv.
+  std::filesystem::path before;                 ///< .mrk.json or .csv; empty with `find`.
+  std::optional<std::filesystem::path> find;    ///< A scan in which the landmarks are found.
+  std::optional<std::filesystem::path> labels;  ///< Of that scan; segmented unless given.
   std::optional<std::filesystem::path> after;   ///< As `before`.
   std::optional<std::filesystem::path> output;  ///< .csv: the measurements.
   /// .mrk.json or .csv: a copy of the landmarks of `after`; without `after`, of `before`.
   std::optional<std::filesystem::path> save;
 };
 
-/// Measures angles [degrees] and distances [mm] between landmarks.
+/// Measures angles [degrees] and distances [mm] between landmarks that are read, or found in a scan.
 ///
 /// \returns the summary, or
 ///   - kInvalidArgument  `output` does not end in .csv;

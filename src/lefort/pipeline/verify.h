@@ -6,6 +6,7 @@
 #include <lefort/core/progress.h>
 #include <lefort/pipeline/summary.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,6 +34,19 @@ struct ConvergenceJob {
 ///   - kFileUnwritable   a result cannot be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
+
+struct LandmarkBenchJob {
+  int heads = 10;                ///< Number of synthetic heads.
+  std::uint64_t seed = 1;        ///< Of the first head; the others follow.
+  double voxel_mm = 1.25;        ///< Of their scans.
+  double noise_hu = 20.0;        ///< Standard deviation.
+  std::filesystem::path output;  ///< A table, .csv: one line for each landmark of each head.
+  std::optional<std::filesystem::path>
+      scans;  ///< A folder for the scans; not written unless given.
+};
+/// Distances between found and true landmarks of heads of random shape
+/// (anatomy/parametric_head.h).
+[[nodiscard]] Result<Summary> bench_landmarks(const LandmarkBenchJob& job, Progress& progress);
 
 struct VerifyJob {
   std::filesystem::path output;  ///< A folder, made if missing; empty: no report.

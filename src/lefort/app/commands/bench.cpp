@@ -112,6 +112,31 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_landmarks(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::LandmarkBenchJob>();
+  CLI::App* const command = bench.add_subcommand(
+      "landmarks", "Measure automatic landmarks on synthetic heads of known shape");
+  command->add_option("--heads", job->heads, "Number of heads of random shape")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->add_option("--seed", job->seed, "Of the first head; the others follow")
+      ->capture_default_str();
+  command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm]")
+      ->check(CLI::Range(0.4, 3.0))
+      ->capture_default_str();
+  command->add_option("--noise", job->noise_hu, "Standard deviation of the noise [HU]")
+      ->check(CLI::Range(0.0, 200.0))
+      ->capture_default_str();
+  command->add_option("-o,--output", job->output, "The errors, .csv")->required();
+  command->add_option("--scans", job->scans,
+                      "Folder for scans, labels and true landmarks; not written unless given");
+  command->footer("Example:\n  lefort bench landmarks --heads 50 -o landmark_errors.csv");
+  command->callback([job, &context] {
+    context.run("bench landmarks",
+                [&](Progress& progress) { return pipeline::bench_landmarks(*job, progress); });
+  });
+}
+
 void add_detection(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::DetectionOptions>();
   CLI::App* const command = bench.add_subcommand(
@@ -210,6 +235,7 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   add_table1(*bench, context);
   add_scaling(*bench, context);
   add_convergence(*bench, context);
+  add_landmarks(*bench, context);
   add_detection(*bench, context);
   add_field_task(*bench, context);
   add_solve(*bench, context);

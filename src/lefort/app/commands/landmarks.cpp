@@ -8,9 +8,19 @@ namespace lefort::app {
 void add_landmarks_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::LandmarksJob>();
   CLI::App* const command =
-      cli.add_subcommand("landmarks", "Angles and distances between landmarks, before and after");
-  command->add_option("landmarks", job->before, "Landmarks, .mrk.json (3D Slicer) or .csv")
-      ->required();
+      cli.add_subcommand("landmarks", "Find landmarks; angles and distances between them");
+  CLI::Option* const before =
+      command->add_option("landmarks", job->before, "Landmarks, .mrk.json (3D Slicer) or .csv");
+  CLI::Option* const find =
+      command
+          ->add_option("--find", job->find,
+                       "Instead of a file: find the landmarks in this scan, anything `lefort "
+                       "import` reads")
+          ->excludes(before);
+  command
+      ->add_option("--labels", job->labels,
+                   "Segmentation of that scan, .seg.nrrd; segmented automatically unless given")
+      ->needs(find);
   command->add_option("--after", job->after, "The same landmarks after surgery");
   command->add_option("-o,--output", job->output, "The cephalometric table, .csv");
   command->add_option("--save", job->save,
@@ -19,8 +29,11 @@ void add_landmarks_command(CLI::App& cli, CommandContext& context) {
       "Examples:\n"
       "  lefort landmarks before.mrk.json --after after.mrk.json -o table.csv\n"
       "  lefort landmarks points.mrk.json --save points.csv\n"
+      "  lefort landmarks --find ct.nrrd --save landmarks.mrk.json\n"
       "Names and measurements: docs/guide/landmarks.md. Not for clinical use.");
   command->callback([job, &context] {
+    if (job->before.empty() && !job->find)
+      throw CLI::RequiredError("landmarks: a file of landmarks, or --find");
     context.run("landmarks",
                 [&](Progress& progress) { return pipeline::measure_landmarks(*job, progress); });
   });

@@ -14,6 +14,7 @@
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/cephalometric_table.h>
+#include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/bones_of_landmarks.h>
 #include <lefort/plan/cephalometrics.h>
@@ -77,6 +78,12 @@ Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& t
   return nlohmann::json{{"plan_sha256", io::Sha256().add(text.json).hex()},
                         {"plan_files", files},
                         {"skull_sha256", io::Sha256().add(skull_L).hex()}};
+}
+
+Result<io::PlanText> read_plan(const CheckPlanJob& job, Progress& progress) {
+  if (job.skull) return io::read_plan_text(job.plan);
+  return read_plan_of_scan(job.plan, job.ct, StageCache(job.cache.value_or(job.output / "cache")),
+                           progress);
 }
 
 /// The bones before the osteotomies; see ScannedHead.
@@ -207,7 +214,7 @@ Result<void> write_bones(const fs::path& folder, const plan::CutSegments& cut,
 }  // namespace
 
 Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
-  LEFORT_TRY(const io::PlanText plan_text, io::read_plan_text(job.plan));
+  LEFORT_TRY(const io::PlanText plan_text, read_plan(job, progress));
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
   std::vector<std::string> names = names_of(plan);

@@ -13,6 +13,7 @@
 #include <lefort/pipeline/predict/prediction_report.h>
 #include <lefort/pipeline/predict/ratio_results.h>
 #include <lefort/pipeline/predict/write_prediction.h>
+#include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/timing/peak_memory.h>
 #include <lefort/pipeline/timing/stage_timer.h>
@@ -121,7 +122,8 @@ struct LoadedPlan {
 };
 
 Result<LoadedPlan> load_plan(const PredictJob& job, Progress& progress) {
-  LEFORT_TRY(io::PlanText text, io::read_plan_text(job.plan));
+  LEFORT_TRY(io::PlanText text,
+             read_plan_of_scan(job.plan, job.ct, StageCache(job.output / "cache"), progress));
   io::note_warnings(text.plan.warnings, progress);
   LEFORT_TRY(fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
   return LoadedPlan{std::move(text), std::move(ct)};

@@ -19,12 +19,13 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtVolume& ct,
-                                      const std::string& ct_sha256, const StageCache& cache,
+                                      const std::string& ct_sha256, const StageCache* cache,
                                       Progress& progress) {
   progress.begin_stage("segment");
   if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid, progress);
   const anatomy::SegmentationOptions& options = plan.segmentation;
-  return cache.get(
+  if (cache == nullptr) return anatomy::segment_tissue(ct, options, progress);
+  return cache->get(
       "labels.seg.nrrd", labels_key(ct_sha256, options), progress,
       [&](const fs::path& path) { return io::read_segmentation(path, ct.grid); },
       [&] { return anatomy::segment_tissue(ct, options, progress); },
@@ -33,15 +34,15 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
       });
 }
 
+}  // namespace
+
 bool has_mandible(const anatomy::LabelMap& labels) {
   const auto& values = labels.values;
   return std::find(values.begin(), values.end(), anatomy::Tissue::kMandible) != values.end();
 }
 
-}  // namespace
-
-Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
-                              const StageCache& cache, Progress& progress) {
+Result<ScannedLabels> scan_labels(const io::PlanFile& plan, const fs::path& ct_path,
+                                  const StageCache* cache, Progress& progress) {
   progress.begin_stage("import");
   LEFORT_TRY(io::ImportedVolume scan, io::import_volume(ct_path, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
@@ -50,15 +51,22 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
       anatomy::reduce_metal_streaks(scan.ct, plan.segmentation.bone_hu, plan.segmentation.skin_hu)
           .ct;
   LEFORT_TRY(anatomy::LabelMap labels, find_labels(plan, scan.ct, ct_sha256, cache, progress));
+  return ScannedLabels{
+      std::move(scan),
+      std::move(ct_sha256),
+      std::move(labels),
+      {.bone_hu = plan.segmentation.bone_hu, .skin_hu = plan.segmentation.skin_hu}};
+}
 
+Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
+                              const StageCache& cache, Progress& progress) {
+  LEFORT_TRY(ScannedLabels head, scan_labels(plan, ct_path, &cache, progress));
   progress.begin_stage("extract surfaces");
-  const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
-                                     .skin_hu = plan.segmentation.skin_hu};
   const auto surface_of = [&](anatomy::Cavities cavities, anatomy::Bones bones) {
     return anatomy::extract_isosurface(
-        anatomy::bone_level(scan.ct, labels, cavities, levels, bones), {}, progress);
+        anatomy::bone_level(head.scan.ct, head.labels, cavities, head.levels, bones), {}, progress);
   };
-  const bool is_apart = plan::takes_mandible(plan.segments) && has_mandible(labels);
+  const bool is_apart = plan::takes_mandible(plan.segments) && has_mandible(head.labels);
   std::optional<geometry::TriangleMesh> mandible_L;
   if (is_apart) {
     LEFORT_TRY(mandible_L, surface_of(anatomy::Cavities::kKeep, anatomy::Bones::kMandible));
@@ -66,8 +74,8 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
   LEFORT_TRY(geometry::TriangleMesh skull_L,
              surface_of(anatomy::Cavities::kFillSinuses,
                         is_apart ? anatomy::Bones::kSkull : anatomy::Bones::kAll));
-  return ScannedHead{std::move(scan), std::move(ct_sha256), std::move(labels),
-                     levels,          std::move(skull_L),   std::move(mandible_L)};
+  return ScannedHead{std::move(head.scan), std::move(head.ct_sha256), std::move(head.labels),
+                     head.levels,          std::move(skull_L),        std::move(mandible_L)};
 }
 
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {

@@ -17,6 +17,26 @@
 
 namespace lefort::pipeline {
 
+/// A scan and its labels.
+struct ScannedLabels {
+  io::ImportedVolume scan;
+  std::string ct_sha256;
+  anatomy::LabelMap labels;
+  anatomy::LevelOptions levels;
+};
+
+/// Imports the scan and reads or segments the labels.
+///
+/// \param plan   names the labels, or has the options to segment them.
+/// \param ct     the scan.
+/// \param cache  for the labels; null: they are not stored.
+[[nodiscard]] Result<ScannedLabels> scan_labels(const io::PlanFile& plan,
+                                                const std::filesystem::path& ct,
+                                                const StageCache* cache, Progress& progress);
+
+/// \returns whether a voxel is labeled as mandible.
+[[nodiscard]] bool has_mandible(const anatomy::LabelMap& labels);
+
 /// A head before the osteotomies.
 struct ScannedHead {
   io::ImportedVolume scan;

@@ -1,0 +1,276 @@
+#include <lefort/anatomy/implicit_shapes.h>
+#include <lefort/anatomy/parametric_head.h>
+#include <lefort/core/parallel.h>
+
+#include <numbers>
+#include <random>
+
+namespace lefort::anatomy {
+namespace {
+
+using implicit::cone;
+using implicit::ellipsoid;
+using implicit::join;
+using implicit::rounded_box;
+using implicit::tube;
+using implicit::without;
+
+/// The right half of the head as a mirror image: |x|.
+Vec3 folded(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
+
+/// Without the deviation of the chin, which grows from the level of the mouth down.
+Vec3 straightened(const Vec3& p, const HeadShape& shape) {
+  const double t = std::clamp((-38.0 - p.z()) / 40.0, 0.0, 1.0);
+  return {p.x() - shape.chin_mm.x() * t * t * (3.0 - 2.0 * t), p.y(), p.z()};
+}
+
+Vec3 in_plane(const Vec3& v) { return {0.0, v.y(), v.z()}; }
+
+double cranium(const Vec3& p, const HeadShape& s) {
+  const double floor = p.z() + 12.0;
+  const double outer = std::min(ellipsoid(p, {0, -8, 46}, {71, 88, 72}), floor);
+  const double inner = std::min(ellipsoid(p, {0, -8, 46}, {64, 81, 65}), floor - 7.0);
+  const double glabella = ellipsoid(p, Vec3(0, -92, 42) + in_plane(s.nasion_mm), {14, 6, 9});
+  double bone = join(std::min(outer, -inner), glabella, 6.0);
+  const Vec3 q = folded(p);
+  bone = join(bone, ellipsoid(q, {52, 8, -8}, {12, 16, 14}), 5.0);  // Temporal bone.
+  return without(bone, cone(q, {85, 0, -4}, {40, 0, -4}, 4.0, 3.0), 1.0);
+}
+
+double zygoma(const Vec3& q, const HeadShape& s) {
+  const double arch = s.zygion_mm;
+  const double body = ellipsoid(q, {46, -67, -9}, {11, 11, 11});
+  const double bow = tube(q,
+                          {{48, -66, -8},
+                           {62 + 0.8 * arch, -50, -4},
+                           {66 + arch, -35, -3},
+                           {63 + 0.8 * arch, -20, -1},
+                           {55, -4, 2}},
+                          3.5);
+  return join(body, bow, 5.0);
+}
+
+/// Rims of the orbits and nasal bones.
+double rims(const Vec3& p, const HeadShape& s) {
+  const Vec3 q = folded(p);
+  const Vec3 up(0, 0, s.orbit_mm), down(0, 0, -s.orbit_mm);
+  const double lower =
+      tube(q, {Vec3(19, -83, 6) + down, Vec3(33, -75, -3) + down, Vec3(46, -68, 4) + down}, 3.0);
+  const double lateral =
+      tube(q, {Vec3(46, -68, 4) + down, {49, -69, 16}, Vec3(47, -72, 29) + up}, 4.0);
+  const double upper =
+      tube(q, {Vec3(47, -72, 29) + up, Vec3(33, -87, 36) + up, Vec3(14, -92, 34) + up}, 4.0);
+  const Vec3 root = Vec3(0, -90, 28) + in_plane(s.nasion_mm);
+  const double nasal = cone(q, root, Vec3(0, -104, 9) + 0.5 * in_plane(s.nose_mm), 4.0, 3.0);
+  return join(join(join(lower, lateral, 2.0), upper, 2.0), nasal, 4.0);
+}
+
+double maxilla(const Vec3& p, const HeadShape& s) {
+  const Vec3 q = folded(p);
+  const Vec3 spine = in_plane(s.anterior_spine_mm), teeth = in_plane(s.incisors_mm);
+  double bone =
+      std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y() + 0.0);
+  bone = join(bone, zygoma(q, s), 6.0);
+  bone = without(bone, ellipsoid(q, {24, -60, -11}, {9, 13, 11}), 1.0);  // Sinus.
+  const Vec3 alveolus = 0.5 * (spine + teeth);
+  const double ridge = tube(
+      q,
+      {Vec3(0, -89, -38) + alveolus, Vec3(14, -85, -38) + alveolus, {24, -70, -38}, {27, -52, -37}},
+      5.0);
+  const double front = cone(q, Vec3(0, -82, -28) + spine, Vec3(0, -85.5, -38) + alveolus, 5.0, 6.0);
+  bone = join(join(bone, ridge, 5.0), front, 4.0);
+  const double mouth = ellipsoid(q, {0, -60, -42}, {17, 24, 14});
+  return without(bone, mouth, 3.0);
+}
+
+double palate(const Vec3& p, const HeadShape& s) {
+  const double back = -48.0 + s.palate_mm;
+  const Vec3 spine = in_plane(s.anterior_spine_mm);
+  const double front = -86.0 + spine.y(), z = -26.5 + spine.z();
+  const double plate =
+      rounded_box(p, {0, 0.5 * (front + back), z}, {15, 0.5 * (back - front), 2.2}, 1.5);
+  const double posterior = cone(p, {0, back - 6.0, z}, {0, back + 2.0, z}, 2.2, 1.6);
+  const double anterior = cone(p, Vec3(0, -84, -26) + spine, Vec3(0, -93, -24) + spine, 3.0, 1.5);
+  // The vomer: its posterior border rises from the palate to the skull base.
+  const double border = (back - 3.0 + 0.7 * (p.z() - z)) - p.y();
+  const double vomer =
+      std::min({1.2 - std::abs(p.x()), border, p.y() + 82.0 - spine.y(), p.z() - z, -8.0 - p.z()});
+  return join(join(join(plate, posterior, 1.5), anterior, 2.0), vomer, 1.0);
+}
+
+double upper_teeth(const Vec3& p, const HeadShape& s) {
+  const Vec3 q = folded(p), teeth = in_plane(s.incisors_mm);
+  const double incisors = ellipsoid(q, Vec3(0, -95, -46) + teeth, {9, 3.5, 9});
+  const double arch = tube(
+      q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}},
+      4.0);
+  const double cusp = cone(q, {28.5, -67, -44}, {28.5, -67, -49}, 4.0, 2.6);
+  return join(join(incisors, arch, 3.0), cusp, 1.5);
+}
+
+/// Lower border and alveolar process of the body, and the ramus.
+double lower_jaw(const Vec3& p, const HeadShape& s) {
+  const Vec3 q = folded(p), chin = in_plane(s.chin_mm), angle = s.angle_mm;
+  const double border =
+      tube(q,
+           {Vec3(0, -81, -87) + chin, Vec3(19, -75, -86) + chin,
+            Vec3(37, -48, -76) + 0.5 * angle + 0.4 * chin, Vec3(46, -20, -62) + angle},
+           6.5);
+  const double alveolus =
+      tube(q, {{0, -84, -64}, {16, -78, -64}, {26, -60, -63}, {34, -40, -60}}, 5.0);
+  const double middle = tube(q,
+                             {Vec3(0, -80, -75) + 0.6 * chin,
+                              Vec3(18, -75, -75) + 0.6 * chin,
+                              {32, -52, -70},
+                              {42, -28, -60}},
+                             7.0);
+  const double behind = tube(q, {Vec3(46, -20, -62) + angle, {50, -19, -14}}, 5.0);
+  const double ahead = tube(q, {{42, -38, -62}, {44, -40, -30}, {45, -40, -12}}, 3.5);
+  const double between = tube(q, {{45, -28, -60}, {47, -27, -26}}, 4.0);
+  const double condyle = tube(q, {{45, -21, -7}, {54, -20, -6}}, 5.0);
+  const double point = ellipsoid(q, Vec3(0, -83, -88) + chin, {12, 8, 8});
+  const double body = join(join(border, middle, 6.0), alveolus, 6.0);
+  const double ramus = join(join(behind, ahead, 5.0), between, 6.0);
+  return join(join(join(body, ramus, 6.0), condyle, 4.0), point, 5.0);
+}
+
+double lower_teeth(const Vec3& p) {
+  const Vec3 q = folded(p);
+  const double incisors = ellipsoid(q, {0, -87, -57}, {8, 3, 8.5});
+  const double arch = tube(q, {{0, -86, -58}, {15, -80, -58}, {25, -62, -58}, {30, -46, -56}}, 4.0);
+  const double cusp = cone(q, {27.5, -63, -58}, {27.5, -63, -54}, 4.0, 2.6);
+  return join(join(incisors, arch, 3.0), cusp, 1.5);
+}
+
+double nose(const Vec3& p, const HeadShape& s) {
+  const Vec3 q = folded(p), tip = in_plane(s.nose_mm);
+  const Vec3 root = Vec3(0, -97, 30) + in_plane(s.nasion_mm);
+  const double bridge = cone(q, root, Vec3(0, -117, -2) + tip, 6.0, 8.0);
+  const double lobule = ellipsoid(q, Vec3(0, -117, -8) + tip, {10, 11, 9});
+  const double inner = cone(q, {0, -86, 22}, {0, -98, -8}, 9.0, 12.0);
+  const double ala = ellipsoid(q, Vec3(12, -108, -12) + 0.6 * tip, {7, 9, 8});
+  return join(join(join(bridge, inner, 8.0), lobule, 5.0), ala, 3.0);
+}
+
+double mouth(const Vec3& p, double body, const HeadShape& s) {
+  const Vec3 q = folded(p), ahead(0, -s.lips_mm, 0);
+  const Vec3 chin = in_plane(s.chin_mm);
+  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {19, 9, 7.5}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {18, 9, 7}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
+  const double slit =
+      std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -101.5 - s.lips_mm - p.y()));
+  return without(body, slit, 1.0);
+}
+
+}  // namespace
+
+ParametricHead::ParametricHead(const HeadShape& shape) : shape_(shape) {
+  X_LH_ = RigidTransform::Identity();
+  X_LH_.translation() = shape.translation_mm;
+  if (const double angle = shape.rotation_rad.norm(); angle > 0.0)
+    X_LH_.linear() = Eigen::AngleAxisd(angle, shape.rotation_rad / angle).toRotationMatrix();
+  X_HL_ = X_LH_.inverse();
+}
+
+double ParametricHead::skin(const Vec3& p_L) const {
+  const HeadShape& s = shape_;
+  const Vec3 p = straightened((X_HL_ * p_L).cwiseQuotient(s.scale), s), q = folded(p);
+  const double head = ellipsoid(p, {0, -8, 46}, {78, 96, 80});
+  const double face = ellipsoid(p, {0, -40, -30}, {68, 62, 72});
+  const double neck =
+      std::min(ellipsoid({p.x(), p.y(), 0.0}, {0, 5, 0}, {56, 60, 1.0}), -40.0 - p.z());
+  double body = join(join(head, face, 20.0), neck, 15.0);
+  body = join(body, ellipsoid(q, {80, 6, -2}, {5, 14, 28}), 4.0);     // Ear.
+  body = join(body, ellipsoid(q, {32, -80, 15}, {14, 13, 11}), 3.0);  // Eye.
+  body = join(body, nose(p, s), 6.0);
+  body = mouth(p, body, s);
+  body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);    // Medial canthus.
+  return without(body, ellipsoid(q, {46.5, -86, 14}, {3, 8, 3}), 2.0);  // Lateral canthus.
+}
+
+double ParametricHead::skull(const Vec3& p_L) const {
+  const HeadShape& s = shape_;
+  const Vec3 p = (X_HL_ * p_L).cwiseQuotient(s.scale), q = folded(p);
+  double bone = join(cranium(p, s), maxilla(p, s), 5.0);
+  const double orbit = ellipsoid(q, {33, -70, 16}, {18, 44, 18 + s.orbit_mm});
+  bone = join(without(bone, orbit, 2.0), rims(p, s), 3.0);
+  const Vec3 spine = in_plane(s.anterior_spine_mm);
+  bone = without(bone, ellipsoid(q, Vec3(0, -75, -7) + 0.5 * spine, {12, 40, 19}),
+                 2.0);  // Nasal cavity.
+  bone = join(bone, palate(p, s), 1.5);
+  const double pterygoid = tube(q, {{14, -42, -10}, {16, -41, -32}}, 3.0);
+  return join(join(bone, pterygoid, 2.0), upper_teeth(p, s), 2.0);
+}
+
+double ParametricHead::mandible(const Vec3& p_L) const {
+  const Vec3 p = straightened((X_HL_ * p_L).cwiseQuotient(shape_.scale), shape_);
+  return join(lower_jaw(p, shape_), lower_teeth(p), 2.0);
+}
+
+HeadShape draw_head_shape(std::uint64_t seed) {
+  std::mt19937_64 bits(seed);
+  const auto draw = [&](double limit) {
+    return limit * (2.0 * double(bits() >> 11) * 0x1p-53 - 1.0);
+  };
+  const auto vector = [&](double x, double y, double z) {
+    const double a = draw(x), b = draw(y), c = draw(z);  // In this order.
+    return Vec3(a, b, c);
+  };
+  constexpr double kTurn_rad = 10.0 * std::numbers::pi / 180.0;
+  HeadShape s;
+  s.scale = Vec3::Ones() + vector(0.07, 0.07, 0.07);
+  s.nasion_mm = vector(0, 2, 3);
+  s.anterior_spine_mm = vector(0, 3, 2);
+  s.incisors_mm = vector(0, 3, 1);
+  s.chin_mm = vector(2.5, 6, 4);
+  s.angle_mm = vector(3, 4, 4);
+  s.nose_mm = vector(0, 4, 4);
+  s.zygion_mm = draw(4.0);
+  s.orbit_mm = draw(1.5);
+  s.lips_mm = draw(2.5);
+  s.palate_mm = draw(3.0);
+  s.rotation_rad = vector(kTurn_rad, kTurn_rad, kTurn_rad);
+  s.translation_mm = vector(15, 15, 15);
+  return s;
+}
+
+LabeledScan scan_of(const ParametricHead& head, double voxel_mm, double noise_hu,
+                    std::uint64_t seed) {
+  constexpr double kAir_hu = -1000.0, kSoft_hu = 40.0, kBone_hu = 1000.0;
+  const Vec3 low(-96, -150, -125), high(96, 112, 140);
+  image::Grid grid;
+  grid.spacing_mm = Vec3::Constant(voxel_mm);
+  grid.origin_L = low + head.X_LH().translation();
+  for (Index axis = 0; axis < 3; ++axis)
+    grid.size[std::size_t(axis)] = Index((high[axis] - low[axis]) / voxel_mm) + 1;
+  LabeledScan scan{{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))},
+                   {grid, std::vector<Tissue>(std::size_t(grid.voxel_count()))}};
+  const auto fraction = [&](double level) { return std::clamp(0.5 + level / voxel_mm, 0.0, 1.0); };
+  parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
+    const Index j = line % grid.size[1], k = line / grid.size[1];
+    std::mt19937_64 bits(seed * 1000003 + std::uint64_t(line));
+    for (Index i = 0; i < grid.size[0]; ++i) {
+      const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
+      const double skin = head.skin(p_L);
+      double skull = -1e9, mandible = -1e9;
+      if (skin > -6.0) {
+        skull = head.skull(p_L);
+        mandible = head.mandible(p_L);
+      }
+      const double bone = std::max(skull, mandible);
+      double noise = -2.0;  // Sum of four uniform numbers: nearly normal, variance 1 / 3.
+      for (int n = 0; n < 4; ++n) noise += double(bits() >> 11) * 0x1p-53;
+      const double hu = kAir_hu + (kSoft_hu - kAir_hu) * fraction(std::max(skin, bone)) +
+                        (kBone_hu - kSoft_hu) * fraction(bone) +
+                        noise_hu * std::numbers::sqrt3 * noise;
+      scan.ct.at(i, j, k) = std::int16_t(std::lround(hu));
+      scan.labels.at(i, j, k) = bone > 0.0 ? (mandible > skull ? Tissue::kMandible : Tissue::kBone)
+                                : skin > 0.0 ? Tissue::kSoftTissue
+                                             : Tissue::kBackground;
+    }
+  });
+  return scan;
+}
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,80 @@
+/// \file
+/// A synthetic head with orbits, nose, palate, teeth and lips, whose shape follows parameters and
+/// whose landmarks are known: the ground truth of automatic landmarks.
+///
+/// Unlike synthetic_head.h it has the concavities and ridges by which landmarks are defined.
+#pragma once
+
+#include <lefort/anatomy/head_from_surfaces.h>
+#include <lefort/core/types.h>
+#include <lefort/image/volume.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace lefort::anatomy {
+
+/// Parameters of a head. Lengths are differences from the mean head [mm]; x is to the patient's
+/// left, y to posterior, z to superior.
+struct HeadShape {
+  Vec3 scale = Vec3::Ones();  ///< Along x, y and z.
+  Vec3 nasion_mm = Vec3::Zero();
+  Vec3 anterior_spine_mm = Vec3::Zero();
+  Vec3 incisors_mm = Vec3::Zero();
+  Vec3 chin_mm = Vec3::Zero();       ///< Its x: the chin deviates to the left.
+  Vec3 angle_mm = Vec3::Zero();      ///< Of gonion; x is lateral on both sides.
+  Vec3 nose_mm = Vec3::Zero();       ///< Of the tip.
+  double zygion_mm = 0.0;            ///< Lateral, on both sides.
+  double orbit_mm = 0.0;             ///< Half height.
+  double lips_mm = 0.0;              ///< Anterior.
+  double palate_mm = 0.0;            ///< Length.
+  Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
+  Vec3 translation_mm = Vec3::Zero();
+};
+
+/// A random shape: uniform within limits that include the standard deviations of adult faces
+/// \cite farkas1994, heuristic; rotation up to 10 degrees about each axis.
+[[nodiscard]] HeadShape draw_head_shape(std::uint64_t seed);
+
+/// The surfaces of a head as level-set functions, positive inside and exact to first order near
+/// zero for the mean shape [mm].
+class ParametricHead {
+ public:
+  explicit ParametricHead(const HeadShape& shape);
+
+  [[nodiscard]] double skin(const Vec3& p_L) const;
+  [[nodiscard]] double skull(const Vec3& p_L) const;     ///< With the upper teeth.
+  [[nodiscard]] double mandible(const Vec3& p_L) const;  ///< With the lower teeth.
+
+  /// The frame of the head: x to the left, y to posterior, z to superior; the origin is between the
+  /// ears.
+  [[nodiscard]] const RigidTransform& X_LH() const { return X_LH_; }
+  [[nodiscard]] const HeadShape& shape() const { return shape_; }
+  /// The point of the head H at a point of the mean head.
+  [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
+
+ private:
+  HeadShape shape_;
+  RigidTransform X_LH_, X_HL_;
+};
+
+struct NamedPoint {
+  std::string name;
+  Vec3 point_L;
+};
+
+/// The true landmarks: extrema, on the level-set functions themselves, of the directions and chords
+/// that define them, in the frame of the true mid-sagittal plane and Frankfurt horizontal. They are
+/// found by steepest ascent from the points of which the head is made.
+[[nodiscard]] std::vector<NamedPoint> true_landmarks(const ParametricHead& head);
+
+/// A scan of the head with noise, and its true labels. Partial volume follows the distance to the
+/// surfaces; only bone, mandible, soft tissue and background are labeled.
+///
+/// \param voxel_mm  edge of the cubic voxels.
+/// \param noise_hu  standard deviation.
+[[nodiscard]] LabeledScan scan_of(const ParametricHead& head, double voxel_mm, double noise_hu,
+                                  std::uint64_t seed);
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,60 @@
+/// \file
+/// Collects the landmarks of one search.
+#pragma once
+
+#include <lefort/plan/find_landmarks.h>
+#include <lefort/plan/internal/find_extremum.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+namespace lefort::plan::internal {
+
+/// The planes at which the scan truncates the patient: sides of the bounding box of the surfaces
+/// that contain a flat area.
+struct ScanEnds {
+  Box3 box_L;
+  std::array<bool, 3> is_low_cut{}, is_high_cut{};
+
+  /// \returns whether the point is within `margin_mm` of an end.
+  [[nodiscard]] bool is_at_end(const Vec3& p_L, double margin_mm) const;
+};
+
+[[nodiscard]] ScanEnds find_scan_ends(const HeadSurfaces& head);
+
+/// Landmarks in the frame F.
+class LandmarkList {
+ public:
+  LandmarkList(const RigidTransform& X_FL, const ScanEnds& ends, double voxel_mm)
+      : X_FL_(X_FL), ends_(ends), voxel_mm_(voxel_mm) {}
+
+  /// Adds a landmark, unless it lies where the scan ends, or adds the reason why there is none.
+  ///
+  /// \param rule_mm  error of the rule: distance of the extremum from the anatomical point.
+  void add(const std::string& name, const std::optional<Extremum>& found_F, double rule_mm,
+           const std::string& reason);
+  void miss(const std::string& name, const std::string& reason);
+
+  [[nodiscard]] std::optional<Vec3> at(const std::string& name) const;  ///< In F.
+  [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
+  [[nodiscard]] const RigidTransform& X_FL() const { return X_FL_; }
+  [[nodiscard]] const std::vector<FoundLandmark>& found() const { return found_; }  ///< In L.
+  [[nodiscard]] const std::vector<MissingLandmark>& missing() const { return missing_; }
+
+ private:
+  RigidTransform X_FL_;
+  ScanEnds ends_;
+  double voxel_mm_;
+  std::vector<FoundLandmark> found_;
+  std::vector<MissingLandmark> missing_;
+};
+
+/// "-R" and "-L", and the sign of x on that side in F.
+struct Side {
+  const char* suffix;
+  double sign;
+};
+inline constexpr std::array<Side, 2> kSides{{{"-R", -1.0}, {"-L", 1.0}}};
+
+}  // namespace lefort::plan::internal
