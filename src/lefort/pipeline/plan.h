@@ -22,7 +22,8 @@ struct LandmarksJob {
   std::optional<std::filesystem::path> save;
 };
 
-/// Measures angles [degrees] and distances [mm] between landmarks that are read, or found in a scan.
+/// Measures angles [degrees] and distances [mm] between landmarks that are read, or found in a
+/// scan.
 ///
 /// \returns the summary, or
 ///   - kInvalidArgument  `output` does not end in .csv;
