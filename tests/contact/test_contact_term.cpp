@@ -345,14 +345,14 @@ double min_eigenvalue(const Eigen::MatrixXd& A) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
 }
 
-TEST(ContactTerm, ThePsdProjectedTangentOnAConvexBoneHasNoNegativeEigenvalue) {
+TEST(ContactTerm, TheStabilizedTangentOnAConvexBoneHasNoNegativeEigenvalue) {
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
   ContactTerm term(rest, kFace, ball(), options(0.1));
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
   const Evaluated exact = evaluate(term, 0, rest);
-  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kPsdProjected);
+  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kStabilized);
   EXPECT_LT(min_eigenvalue(exact.stiffness), -1e-4);
   EXPECT_GT(min_eigenvalue(convex.stiffness), -1e-12);
   EXPECT_EQ(convex.energy_mj, exact.energy_mj);

@@ -120,7 +120,7 @@ TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
   EXPECT_EQ(outcome.history.back().diagonal_shift, 0.0);
 }
 
-/// A double well in x and a spring in y. The PSD-projected tangent differs in x only.
+/// A double well in x and a spring in y. The stabilized tangent differs in x only.
 class WellAndSpring final : public NonlinearSystem {
  public:
   explicit WellAndSpring(double psd_curvature) : psd_curvature_(psd_curvature) {}
@@ -142,7 +142,7 @@ class WellAndSpring final : public NonlinearSystem {
   double psd_curvature_;
 };
 
-TEST(Newton, PrefersAPsdProjectedTangentToAShift) {
+TEST(Newton, PrefersTheStabilizedTangentToAShift) {
   linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(2.0), Eigen::Vector2d(0.3, 0.0), solver);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
@@ -153,7 +153,7 @@ TEST(Newton, PrefersAPsdProjectedTangentToAShift) {
   EXPECT_EQ(outcome.history.back().tangent_blend, 0.0);
 }
 
-TEST(Newton, LeavesASaddleInFewStepsHoweverStiffThePsdProjectedTangent) {
+TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheStabilizedTangent) {
   // Without expansion a step multiplies x by 1.02 at most.
   linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(200.0), Eigen::Vector2d(1e-3, 2.0), solver);

@@ -13,7 +13,7 @@
 ///   r   = dW/dx, K = d2W/dx2 = A (k_n (m (x) m + e Hess e) + k_t (I - n (x) n)),  m = grad e
 ///
 /// k_n may differ in compression (e < 0) and tension (e > 0); with k_n = 0 in tension the support
-/// separates. W, r and K are in the frame of the patient. The PSD-projected K omits e Hess e.
+/// separates. W, r and K are in the frame of the patient. The stabilized K omits e Hess e.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>

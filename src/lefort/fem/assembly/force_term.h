@@ -22,7 +22,7 @@ struct LocalEquations {
   double energy_mj = 0.0;          ///< W [mJ].
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not needed.
-  /// Kind of the stiffness that is needed. A term may return the exact one for kPsdProjected.
+  /// Kind of the stiffness that is needed. A term may return the exact one for kStabilized.
   /// kAntisymmetric is needed only if is_conservative() is false.
   Tangent tangent = Tangent::kExact;
   Index contacts = 0;       ///< Points in contact, for the history.

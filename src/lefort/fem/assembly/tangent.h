@@ -12,7 +12,7 @@ enum class Tangent {
   /// supports that follow a surface, of averaged pressures and of follower pressures. (Teran et al.
   /// 2005 project element matrices; here they stay exact, so that this tangent may be indefinite.)
   /// Unlike a diagonal shift this affects only the nodes concerned.
-  kPsdProjected,
+  kStabilized,
   /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
   /// the symmetric part.
   kAntisymmetric

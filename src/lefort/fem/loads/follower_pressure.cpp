@@ -34,7 +34,7 @@ void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
   const Vec3 u = (x - X) * point.N;
   local.energy_mj += p * u.dot(mean);
   Eigen::Map<FaceNodes<Shape>>(local.residual_n.data()).noalias() += p * n * point.N.transpose();
-  if (!local.wants_stiffness() || local.tangent == Tangent::kPsdProjected) return;
+  if (!local.wants_stiffness() || local.tangent == Tangent::kStabilized) return;
 
   // dn = dg1 x g2 + g1 x dg2: dn/dx_b = dN_b/deta [g1]x - dN_b/dxi [g2]x, antisymmetric.
   const double sign = local.tangent == Tangent::kAntisymmetric ? 1.0 : -1.0;

@@ -39,7 +39,7 @@ class NonlinearSystem {
   /// \returns why x is inadmissible, for messages; empty if it is admissible or unknown.
   [[nodiscard]] virtual std::string inadmissible_cause(const VectorX& /*x*/) const { return {}; }
 
-  /// \returns the symmetric part of dr/dx, or the PSD-projected tangent (tangent.h) [N/mm]: the
+  /// \returns the symmetric part of dr/dx, or the stabilized tangent (tangent.h) [N/mm]: the
   ///   lower triangle with the whole diagonal, always with the same pattern.
   /// \pre x is admissible.
   [[nodiscard]] virtual linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
@@ -141,7 +141,7 @@ struct NewtonOutcome {
 ///    (\cite eisenstat1996, choice 2).
 /// 3. **Direction**: K dx = -r. If K is not positive definite, it is replaced by the first positive
 ///    definite one of
-///      - (1 - beta) K + beta K+, where K+ is the PSD-projected tangent (tangent.h), for growing
+///      - (1 - beta) K + beta K+, where K+ is the stabilized tangent (tangent.h), for growing
 ///        beta <= 1;
 ///      - K+ + tau D, where D is the diagonal of K+, for growing tau (\cite nocedal2006, algorithm
 ///        3.3).

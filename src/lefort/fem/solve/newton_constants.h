@@ -15,9 +15,9 @@ inline constexpr double kShiftGrowth = 4.0;
 /// Diagonal entries below this fraction of their mean are raised to it before they are scaled.
 inline constexpr double kMinDiagonal = 1e-3;
 
-// Tangent blend beta, the fraction of the PSD-projected tangent.
+// Tangent blend beta, the fraction of the stabilized tangent.
 
-/// First beta (test PrefersAPsdProjectedTangentToAShift).
+/// First beta (test PrefersTheStabilizedTangentToAShift).
 inline constexpr double kFirstBlend = 0.25;
 /// Factor from one beta to the next.
 inline constexpr double kBlendGrowth = 2.0;
@@ -31,7 +31,7 @@ inline constexpr double kMaxContraction = 0.1;
 inline constexpr double kShortStep = 0.5;
 
 // Expansion of a step by a blended or shifted tangent (test
-// LeavesASaddleInFewStepsHoweverStiffThePsdProjectedTangent).
+// LeavesASaddleInFewStepsHoweverStiffTheStabilizedTangent).
 
 /// c_2 of the curvature condition (\cite nocedal2006, equation (3.5)): the step is expanded while
 /// the slope at its end is below c_2 times that at its start.

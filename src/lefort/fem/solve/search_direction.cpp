@@ -8,11 +8,11 @@
 namespace lefort::fem::internal {
 namespace {
 
-/// \returns (1 - beta) K + beta K_psd, both of one pattern.
-linear::SparseMatrix blended(const linear::SparseMatrix& K, const linear::SparseMatrix& K_psd,
+/// \returns (1 - beta) K + beta K_stable, both of one pattern.
+linear::SparseMatrix blended(const linear::SparseMatrix& K, const linear::SparseMatrix& K_stable,
                              double beta) {
   linear::SparseMatrix sum = K;
-  sum.coeffs() += beta * (K_psd.coeffs() - K.coeffs());
+  sum.coeffs() += beta * (K_stable.coeffs() - K.coeffs());
   return sum;
 }
 
@@ -101,15 +101,15 @@ tl::expected<SearchDirection, NewtonStop> DirectionFinder::find(const NewtonStat
                             .b = -at.residual_state.residual_n,
                             .tolerance = tolerance};
   TangentModel model;
-  linear::SparseMatrix K_psd;
+  linear::SparseMatrix K_stable;
   Solution dx = solve(equations.K, equations);
   while (!dx && dx.error() == linear::LinearSolveStatus::kNotPositiveDefinite) {
     if (progress_.stop_requested()) return tl::unexpected(NewtonStop::kCancelled);
-    if (model.tangent_blend == 0.0) K_psd = system_.tangent(at.x, Tangent::kPsdProjected);
+    if (model.tangent_blend == 0.0) K_stable = system_.tangent(at.x, Tangent::kStabilized);
     model = next_model(model, last);
     if (model.diagonal_shift > options_.max_diagonal_shift) break;
-    dx = solve(model.diagonal_shift > 0.0 ? shifted(K_psd, model.diagonal_shift)
-                                          : blended(equations.K, K_psd, model.tangent_blend),
+    dx = solve(model.diagonal_shift > 0.0 ? shifted(K_stable, model.diagonal_shift)
+                                          : blended(equations.K, K_stable, model.tangent_blend),
                equations);
   }
   if (!dx) return tl::unexpected(stop_of(dx.error()));
