@@ -23,7 +23,7 @@ std::vector<double> depths_of(const geometry::SurfaceColumns& front, double z_mm
 }
 
 /// \param within_mm  distance within which bone on both sides is searched.
-/// \returns for each point, whether bone on both sides of it lies `depth_mm` or more in front of it.
+/// \returns for each point, whether bone on both sides lies `depth_mm` or more in front of it.
 std::vector<bool> cavities_in(std::span<const double> depths, double depth_mm, double within_mm) {
   const auto count = std::ptrdiff_t(depths.size()), reach = std::ptrdiff_t(within_mm / kRowStep_mm);
   std::vector<bool> is_cavity;
@@ -58,7 +58,7 @@ struct Run {
   std::size_t begin = 0, end = 0;
 };
 
-Run largest_run(std::span<const Index> sizes) {
+Run longest_run(std::span<const Index> sizes) {
   constexpr std::size_t kMaxGap = 2;
   Run best, run;
   Index best_sum = 0, sum = 0;
@@ -99,7 +99,7 @@ std::optional<double> find_aperture_floor(const geometry::SurfaceColumns& front,
     const Index count = count_between(is_cavity, -kMiddle_mm, kMiddle_mm).count;
     if (count >= kMinColumns) sizes[row] = count;
   }
-  const Run run = largest_run(sizes);
+  const Run run = longest_run(sizes);
   if (run.end < run.begin + kMinRows) return std::nullopt;
   return height_of(run.begin);
 }
@@ -120,7 +120,7 @@ std::optional<FacialCavities> find_facial_cavities(const geometry::SurfaceColumn
     const Index least = std::min(sides[row][0].count, sides[row][1].count);
     if (least >= kMinColumns) sizes[row] = least;
   }
-  const Run run = largest_run(sizes);
+  const Run run = longest_run(sizes);
   if (run.end < run.begin + kMinRows) return std::nullopt;
   FacialCavities found{height_of(run.begin), height_of(run.end - 1), {}, {}};
   for (std::size_t side = 0; side < 2; ++side) {

@@ -163,13 +163,13 @@ std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3
   for (double z = base.z() + 2.0; z <= tip.z() + 3.0; z += kPixel_mm) {
     const auto row = face.row(z, side.sign, kFrom_mm, kTo_mm);
     std::optional<Vec3> wall;
-    double largest_mm = 0.0;
+    double max_step_mm = 0.0;
     bool is_in_wall = false;
     for (std::size_t i = 0; i + 1 < row.size(); ++i) {
       const double step_mm = row[i + 1].y() - row[i].y();
       const bool is_steep = step_mm > kMinSlope * kPixel_mm;
-      if (is_steep && (!is_in_wall || step_mm > largest_mm)) {
-        largest_mm = step_mm;
+      if (is_steep && (!is_in_wall || step_mm > max_step_mm)) {
+        max_step_mm = step_mm;
         wall = row[i];
         wall->y() += std::min(0.5 * step_mm, kWithinPixel_mm);
       }
