@@ -23,8 +23,7 @@ std::vector<double> depths_of(const geometry::SurfaceColumns& front, double z_mm
 }
 
 /// \param within_mm  distance within which bone on both sides is searched.
-/// \returns for each point, whether bone on both sides of it lies at least
-/// `depth_mm` in front of it.
+/// \returns for each point, whether bone on both sides lies `depth_mm` or more in front of it.
 std::vector<bool> cavities_in(std::span<const double> depths, double depth_mm, double within_mm) {
   const auto count = std::ptrdiff_t(depths.size()), reach = std::ptrdiff_t(within_mm / kRowStep_mm);
   std::vector<bool> is_cavity;

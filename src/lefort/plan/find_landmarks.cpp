@@ -30,7 +30,7 @@ SymmetryPlane find_mid_sagittal(const geometry::TriangleMesh& skull_L) {
   const Box3 box_L = geometry::bounding_box(skull_L);
   const std::vector<Vec3> few = every_nth(skull_L.vertices, kFew);
   SymmetryPlane best;
-  double min_cost_mm = std::numeric_limits<double>::infinity();
+  double best_cost_mm = std::numeric_limits<double>::infinity();
   for (int yaw = -2; yaw <= 2; ++yaw)
     for (int roll = -2; roll <= 2; ++roll) {
       const Vec3 normal = Vec3(1.0, kStep_rad * yaw, kStep_rad * roll).normalized();
@@ -38,8 +38,8 @@ SymmetryPlane find_mid_sagittal(const geometry::TriangleMesh& skull_L) {
           geometry::fit_symmetry_plane(surface, few, {box_L.center(), normal});
       // Outliers count as much as a wide inlier: a plane that mirrors little of the skull is bad.
       const double cost_mm = plane.rms_mm / std::max(plane.inlier_fraction, 0.01);
-      if (cost_mm >= min_cost_mm) continue;
-      min_cost_mm = cost_mm;
+      if (cost_mm >= best_cost_mm) continue;
+      best_cost_mm = cost_mm;
       best = plane;
     }
   return geometry::fit_symmetry_plane(surface, every_nth(skull_L.vertices, kMany), best);
