@@ -1,6 +1,6 @@
 /// \file
-/// The anterior edges of upper and lower jaw, and the dental arches, from labels: teeth, or
-/// alveolar ridges without teeth.
+/// The anterior edges of upper and lower jaw, from labels: incisors, or alveolar ridge without
+/// teeth.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -37,25 +37,5 @@ struct JawEdges {
 [[nodiscard]] std::vector<double> anterior_surface_y_mm(const anatomy::LabelMap& labels,
                                                         double first_x_mm, std::size_t count,
                                                         const std::array<double, 2>& edges_z_mm);
-
-/// The outline of both dental arches at the level of the edges, and the slope of that level.
-///
-/// From one lateral side of the teeth to the other, by row of 1 mm from anterior to posterior.
-struct DentalArches {
-  struct Row {
-    double right_x_mm = 0.0, left_x_mm = 0.0;
-  };
-  double first_y_mm = 0.0;  ///< Of the first row: anterior surface of the teeth in the middle.
-  double first_z_mm = 0.0;  ///< Of the occlusal plane at the first row.
-  double slope = 0.0;       ///< dz/dy of the occlusal plane, at most 0.36 (20 degrees) either way.
-  std::vector<Row> rows;
-  [[nodiscard]] double end_y_mm() const { return first_y_mm + double(rows.size()); }
-};
-
-/// \param labels  of the scan.
-/// \param edges   of its jaws.
-/// \returns nothing if no bone lies at the level of the edges.
-[[nodiscard]] std::optional<DentalArches> find_dental_arches(const anatomy::LabelMap& labels,
-                                                             const JawEdges& edges);
 
 }  // namespace lefort::predict

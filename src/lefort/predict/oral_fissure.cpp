@@ -202,38 +202,19 @@ double OralFissure::level(const Vec3& p_L) const {
     return (1.0 - t) * columns[c].*value + t * columns[c + 1].*value;
   };
   const double skin_y = lerp(&Column::skin_y_mm), jaw_y = lerp(&Column::jaw_y_mm);
-  if (p_L.y() >= jaw_y) {
-    const double slope = arches ? arches->slope : 0.0;
-    return (p_L.z() - occlusal_z_mm(p_L.y())) / std::sqrt(1.0 + slope * slope);
-  }
-  const double skin_z = lerp(&Column::skin_z_mm), jaw_z = occlusal_z_mm(jaw_y);
-  const double along = std::max((p_L.y() - skin_y) / (jaw_y - skin_y), 0.0);
+  const double skin_z = lerp(&Column::skin_z_mm);
+  const double along = std::clamp((p_L.y() - skin_y) / (jaw_y - skin_y), 0.0, 1.0);
   const double slope_x = columns[c + 1].skin_z_mm - columns[c].skin_z_mm;
-  const double slope_y = (jaw_z - skin_z) / (jaw_y - skin_y);
-  const double height_mm = skin_z + along * (jaw_z - skin_z);
+  const double slope_y = (edge_z_mm - skin_z) / (jaw_y - skin_y);
+  const double height_mm = skin_z + along * (edge_z_mm - skin_z);
   return (p_L.z() - height_mm) / std::sqrt(1.0 + slope_x * slope_x + slope_y * slope_y);
-}
-
-double OralFissure::occlusal_z_mm(double y_mm) const {
-  return arches ? arches->first_z_mm + arches->slope * (y_mm - arches->first_y_mm) : edge_z_mm;
-}
-
-double OralFissure::extent_in_arches(const Vec3& p_L) const {
-  if (!arches) return -std::numeric_limits<double>::infinity();
-  const double at_mm = p_L.y() - arches->first_y_mm;
-  const auto last = long(arches->rows.size()) - 1;
-  const DentalArches::Row& row =
-      arches->rows[std::size_t(std::clamp(std::lround(at_mm), 0L, last))];
-  return std::min(
-      {p_L.x() - row.right_x_mm, row.left_x_mm - p_L.x(), at_mm, arches->end_y_mm() - p_L.y()});
 }
 
 double OralFissure::extent(const Vec3& p_L) const {
   const auto c =
       std::size_t(std::clamp(std::lround(p_L.x() - first_x_mm), 0L, long(columns.size()) - 1));
-  const double of_lips = std::min(
+  return std::min(
       {p_L.x() - right_x_mm, left_x_mm - p_L.x(), columns[c].jaw_y_mm + kIncisor_mm - p_L.y()});
-  return std::max(of_lips, extent_in_arches(p_L));
 }
 
 FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
@@ -247,7 +228,6 @@ FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
             "landmark Stm"};
   OralFissure fissure;
   fissure.edge_z_mm = edges ? edges->middle_z_mm() : stomion->z();
-  if (edges) fissure.arches = find_dental_arches(labels, *edges);
   const double middle_x_mm = stomion ? stomion->x() : edges->middle_x_mm;
   Profiles profiles;
   profiles.half_height_mm = stomion ? kSearchLandmark_mm : kSearchUp_mm;

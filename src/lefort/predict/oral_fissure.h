@@ -6,7 +6,6 @@
 #include <lefort/anatomy/label_map.h>
 #include <lefort/core/types.h>
 #include <lefort/image/volume.h>
-#include <lefort/predict/jaw_edges.h>
 
 #include <optional>
 #include <string>
@@ -40,8 +39,7 @@ enum class FissureSource {
 }
 
 /// The surface in which the lips touch, as a height over the x and y axes of L. It starts at the
-/// fissure and reaches the anterior teeth at the level of their edges. Behind them it follows the
-/// occlusal plane, in which upper and lower teeth, and palate and tongue, touch.
+/// fissure and reaches the anterior teeth at the level of their edges.
 struct OralFissure {
   /// A point of the fissure, and the anterior surface of the jaws behind it.
   struct Column {
@@ -54,7 +52,6 @@ struct OralFissure {
   std::vector<Column> columns;
   double right_x_mm = 0.0, left_x_mm = 0.0;  ///< Of the commissures.
   double edge_z_mm = 0.0;                    ///< Level of the edges of the anterior teeth.
-  std::optional<DentalArches> arches;        ///< Missing without mandible.
   double crease_depth_mm = 0.0;              ///< Median over the middle.
   /// Fraction of the width with a crease; 1 with the landmarks Stm, Ch-R and Ch-L.
   double confidence = 0.0;
@@ -62,15 +59,8 @@ struct OralFissure {
   [[nodiscard]] double width_mm() const { return left_x_mm - right_x_mm; }
   /// Signed distance to the surface [mm], positive at the upper lip.
   [[nodiscard]] double level(const Vec3& p_L) const;
-  /// Positive between the commissures and anterior to the lingual side of the teeth, and within the
-  /// outline of the dental arches [mm].
+  /// Positive between the commissures and anterior to the lingual side of the teeth [mm].
   [[nodiscard]] double extent(const Vec3& p_L) const;
-
- private:
-  /// Height of the occlusal plane at y.
-  [[nodiscard]] double occlusal_z_mm(double y_mm) const;
-  /// extent() within the dental arches.
-  [[nodiscard]] double extent_in_arches(const Vec3& p_L) const;
 };
 
 /// A fissure, or the reason why there is none.
