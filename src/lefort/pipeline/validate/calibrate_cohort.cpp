@@ -148,6 +148,16 @@ FittedValues fitted_values(const CalibrationCohort& cohort, const ParameterFit& 
   return fitted;
 }
 
+/// One line for the log.
+std::string describe(const Calibration& calibration) {
+  std::string text = "fitted to all cases:";
+  for (std::size_t p = 0; p < calibration.parameters.size(); ++p)
+    text += fmt::format("{} {} {:.3g} ({:.3g} to {:.3g})", p == 0 ? "" : ",",
+                        calibration.parameters[p].name, calibration.all.values[p],
+                        calibration.all.intervals[p].low, calibration.all.intervals[p].high);
+  return text;
+}
+
 /// Mean error of cases [mm].
 Result<double> mean_error_of(CalibrationCohort& cohort, std::span<const Index> cases,
                              const VectorX& at) {
@@ -185,6 +195,7 @@ Result<void> fit_and_validate(CalibrationCohort& cohort, const FitOptions& optio
   progress.note("fit to all cases");
   LEFORT_TRY(const ParameterFit fit, fit_parameters(problem, all, start, options));
   calibration.all = fitted_values(cohort, fit, calibration.bootstrap);
+  progress.note(describe(calibration));
   LEFORT_TRY(calibration.start_error_mm, mean_error_of(cohort, all, start));
   LEFORT_TRY(calibration.fit_error_mm, mean_error_of(cohort, all, fit.at));
   std::vector<double> held_out_mm, gains_mm;
