@@ -44,41 +44,41 @@ double WeightedContacts::max_step_length(const VectorX& u, const VectorX& du) co
   return length;
 }
 
-bool WeightedContacts::allows_motion(const std::vector<RigidTransform>& X_LB_last,
+bool WeightedContacts::allows_motion(const std::vector<RigidTransform>& from_X_LB,
                                      const std::vector<Vec3>& last_L, const VectorX& to) const {
   const std::vector<Vec3> to_L = contact::displaced(tissue_->nodes_L, to);
   const std::vector<RigidTransform> at_rest{RigidTransform::Identity()};
-  return !(on_segments && on_segments->max_motion(last_L, X_LB_last, to_L) < 1.0) &&
+  return !(on_segments && on_segments->max_motion(last_L, from_X_LB, to_L) < 1.0) &&
          !(on_stationary && on_stationary->max_motion(last_L, at_rest, to_L) < 1.0);
 }
 
-VectorX WeightedContacts::carried(const std::vector<RigidTransform>& X_LB_last,
+VectorX WeightedContacts::carried(const std::vector<RigidTransform>& from_X_LB,
                                   const std::vector<Vec3>& last_L, const VectorX& to) const {
   std::vector<Vec3> x_L = contact::displaced(tissue_->nodes_L, to);
-  if (on_segments) x_L = on_segments->carried(last_L, X_LB_last, std::move(x_L));
+  if (on_segments) x_L = on_segments->carried(last_L, from_X_LB, std::move(x_L));
   VectorX u(3 * Index(x_L.size()));
   for (std::size_t n = 0; n < x_L.size(); ++n)
     u.segment<3>(3 * Index(n)) = x_L[n] - tissue_->nodes_L[n];
   return u;
 }
 
-fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& X_LB_last,
+fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& from_X_LB,
                                            const VectorX& u_last,
                                            const std::vector<RigidTransform>& X_LB,
                                            const VectorX& start, int max_iterations,
                                            const contact::SolveFrom& solve) {
   const std::vector<Vec3> last_L = contact::displaced(tissue_->nodes_L, u_last);
   VectorX from = start;
-  if (!allows_motion(X_LB_last, last_L, from)) {
-    from = carried(X_LB_last, last_L, from);
-    if (!allows_motion(X_LB_last, last_L, from)) {
+  if (!allows_motion(from_X_LB, last_L, from)) {
+    from = carried(from_X_LB, last_L, from);
+    if (!allows_motion(from_X_LB, last_L, from)) {
       fem::NewtonOutcome outcome;
       outcome.x = start;
       outcome.reason = "a bone would pass through tissue in one increment";
       return outcome;
     }
   }
-  set_poses(X_LB_last);
+  set_poses(from_X_LB);
   std::vector<contact::MortarContactTerm*> terms;
   std::vector<contact::ActiveSet> active;
   for (auto* term : {&on_segments, &on_stationary}) {

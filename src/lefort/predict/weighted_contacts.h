@@ -42,12 +42,12 @@ class WeightedContacts {
   /// Finds equilibrium by contact::solve_active_set(). If a bone would pass through tissue on the
   /// way from the last equilibrium to the start, that tissue starts with the motion of the bone;
   /// if that does not help, the start is rejected.
-  /// \param X_LB_last       poses in the last equilibrium.
+  /// \param from_X_LB       poses in the last equilibrium.
   /// \param u_last          its displacements [mm].
   /// \param X_LB            present poses, which are those of the terms.
   /// \param start           displacements of all nodes [mm].
   /// \param max_iterations  of the unilateral solve.
-  [[nodiscard]] fem::NewtonOutcome solve(const std::vector<RigidTransform>& X_LB_last,
+  [[nodiscard]] fem::NewtonOutcome solve(const std::vector<RigidTransform>& from_X_LB,
                                          const VectorX& u_last,
                                          const std::vector<RigidTransform>& X_LB,
                                          const VectorX& start, int max_iterations,
@@ -56,10 +56,10 @@ class WeightedContacts {
  private:
   /// Whether no bone passes through tissue on the way from the last equilibrium to displacements
   /// `to` and the present poses.
-  [[nodiscard]] bool allows_motion(const std::vector<RigidTransform>& X_LB_last,
+  [[nodiscard]] bool allows_motion(const std::vector<RigidTransform>& from_X_LB,
                                    const std::vector<Vec3>& last_L, const VectorX& to) const;
   /// Displacements `to`, but tissue through which a segment would pass moves with it.
-  [[nodiscard]] VectorX carried(const std::vector<RigidTransform>& X_LB_last,
+  [[nodiscard]] VectorX carried(const std::vector<RigidTransform>& from_X_LB,
                                 const std::vector<Vec3>& last_L, const VectorX& to) const;
 
   const mesh::VolumeMesh* tissue_ = nullptr;
