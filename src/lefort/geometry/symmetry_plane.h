@@ -22,9 +22,10 @@ struct SymmetryPlane {
 /// The plane of a set of pairs x, y is the one of the smallest sum of w |S x - y|^2, S being the
 /// reflection. It passes through the mean g of all points, and its normal is the eigenvector of
 /// the smallest eigenvalue of the symmetric part of the sum of w (x - g)(y - g)^T
-/// \cite combes2008. This converges slowly on smooth surfaces; so after ten iterations the distance
-/// of S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are Tukey's, of a width that follows the median distance, so
-/// that up to half of the points may have no counterpart.
+/// \cite combes2008. This converges slowly on smooth surfaces. After ten iterations the distance of
+/// S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are Tukey's, of
+/// a width that follows the median distance, so that up to half of the points may have no
+/// counterpart.
 ///
 /// \param surface  of a head or a bone.
 /// \param points   on the surface, 100 or more.
