@@ -3,6 +3,7 @@
 #include <lefort/anatomy/parametric_head.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,6 +33,7 @@ std::string reason_of(const plan::LandmarkSearch& search, const std::string& nam
 TEST(FindLandmarks, AreWithinTheLimitsOnHeadsOfRandomShape) {
   constexpr double kMaxMedian_mm = 1.5, kMaxP95_mm = 4.0;
   std::vector<double> errors_mm;
+  std::string large;
   Index missing = 0;
   for (const std::uint64_t seed : {101, 102, 103}) {
     const anatomy::ParametricHead head(anatomy::draw_head_shape(seed));
@@ -42,13 +44,15 @@ TEST(FindLandmarks, AreWithinTheLimitsOnHeadsOfRandomShape) {
         ++missing;
       else
         errors_mm.push_back((*at - p_L).norm());
+      if (at && errors_mm.back() > kMaxP95_mm)
+        large += fmt::format("\nseed {}: {} {:.1f} mm", seed, name, errors_mm.back());
     }
   }
   std::sort(errors_mm.begin(), errors_mm.end());
   ASSERT_GT(errors_mm.size(), 100U);
   EXPECT_LE(missing, 6);
   EXPECT_LE(errors_mm[errors_mm.size() / 2], kMaxMedian_mm);
-  EXPECT_LE(errors_mm[errors_mm.size() * 95 / 100], kMaxP95_mm);
+  EXPECT_LE(errors_mm[errors_mm.size() * 95 / 100], kMaxP95_mm) << large;
 }
 
 /// Directions are those of the head, not of the scan; the frame is right-handed.
@@ -132,7 +136,7 @@ TEST(FindLandmarks, AreMirroredInAMirroredHead) {
     const auto other = plan::find_landmark(two, name);
     if (!other) continue;
     const Vec3 back = other->cwiseProduct(Vec3(-1, 1, 1));
-    EXPECT_LT((back - landmark.point_L).norm(), 2.5) << landmark.name;
+    EXPECT_LT((back - landmark.point_L).norm(), 3.0) << landmark.name;  // Two voxels.
     ++compared;
   }
   EXPECT_GT(compared, 30);

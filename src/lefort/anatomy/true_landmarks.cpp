@@ -206,8 +206,27 @@ class TrueLandmarks {
       at_["Al" + side] = place({sign * 19.0, -108.0, -12.0}, 0.6 * s.nose_mm);
       at_["En" + side] = march(skin_, place({sign * 16.0, -125.0, 14.0}), inwards);
       at_["Ex" + side] = march(skin_, place({sign * 46.5, -125.0, 14.0}), inwards);
-      at_["Ch" + side] = march(skin_, place({sign * 23.5, -125.0, -41.0}), inwards);
+      at_["Ch" + side] = commissure(sign, inwards);
     }
+  }
+
+  /// The end of the slit between the lips: the last point on its line that is deeper than the skin
+  /// above and below.
+  [[nodiscard]] Vec3 commissure(double sign, const Vec3& inwards) const {
+    constexpr double kFrom_mm = 8.0, kTo_mm = 32.0, kStep_mm = 0.25, kSide_mm = 3.0;
+    constexpr double kMinNotch_mm = 0.2;
+    const auto skin_at = [&](double x, double z) {
+      return march(skin_, place({sign * x, -125.0, z}), inwards);
+    };
+    Vec3 end = skin_at(kFrom_mm, -41.0);
+    for (double x = kFrom_mm; x <= kTo_mm; x += kStep_mm) {
+      const Vec3 p = skin_at(x, -41.0);
+      const double above_mm = inwards.dot(p - skin_at(x, -41.0 + kSide_mm));
+      const double below_mm = inwards.dot(p - skin_at(x, -41.0 - kSide_mm));
+      if (std::min(above_mm, below_mm) < kMinNotch_mm) break;
+      end = p;
+    }
+    return end;
   }
 
   void find_mouth() {

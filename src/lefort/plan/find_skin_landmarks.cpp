@@ -180,17 +180,27 @@ std::optional<Extremum> find_alare(const Face& face, const Vec3& tip, const Vec3
   return find_extremum(walls, Vec3(side.sign, 0.0, 0.0), face.voxel_mm());
 }
 
-/// Follows the notch between the lips laterally while it is deep enough.
+/// Follows the notch between the lips laterally to where its depth falls below a quarter of the
+/// median depth in the middle.
 std::optional<Extremum> find_cheilion(const Face& face, const Vec3& stomion, double sign) {
   constexpr double kMax_mm = 40.0, kMin_mm = 12.0, kHalf_mm = 5.0, kMaxGap_mm = 2.0;
   constexpr double kSharp_mm = 3.0;  // The line between the lips is narrower than other folds.
+  constexpr double kDepthFraction = 0.25;
   Vec3 last = stomion;
+  std::vector<double> depths_mm;
+  double min_depth_mm = kMinNotch_mm;
   for (double x = kPixel_mm; x < kMax_mm; x += kPixel_mm) {
     if (x - sign * last.x() > kMaxGap_mm) break;
     const auto around = face.profile(last.z() - kHalf_mm - kNotchWithin_mm,
                                      last.z() + kHalf_mm + kNotchWithin_mm, sign * x);
-    std::optional<Notch> notch = find_notch(around, kSharp_mm, kMinNotch_mm);
-    if (notch && std::abs(notch->point.z() - last.z()) < kHalf_mm) last = notch->point;
+    const std::optional<Notch> notch = find_notch(around, kSharp_mm, min_depth_mm);
+    if (!notch || std::abs(notch->point.z() - last.z()) >= kHalf_mm) continue;
+    last = notch->point;
+    if (x >= kMin_mm) continue;
+    depths_mm.push_back(notch->depth_mm);
+    const auto middle = depths_mm.begin() + std::ptrdiff_t(depths_mm.size() / 2);
+    std::nth_element(depths_mm.begin(), middle, depths_mm.end());
+    min_depth_mm = std::max(kMinNotch_mm, kDepthFraction * *middle);
   }
   if (sign * last.x() < kMin_mm) return std::nullopt;
   return Extremum{last, 1.0};
