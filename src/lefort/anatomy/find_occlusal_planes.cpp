@@ -103,6 +103,7 @@ struct Profile {
 Profile profile_along(const std::vector<Sample>& samples, const Vec3& normal_L) {
   Profile profile;
   std::vector<double> heights;
+  heights.reserve(samples.size());
   for (const Sample& sample : samples) heights.push_back(normal_L.dot(sample.p_L));
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   profile.first_mm = *low;
@@ -148,6 +149,7 @@ void add_plane_of_enamel(const std::vector<Sample>& samples, OcclusalPlane plane
   std::erase_if(enamel, [](const Sample& sample) { return sample.enamel_mm3 == 0.0; });
   if (enamel.empty()) return;
   std::vector<double> z;
+  z.reserve(enamel.size());
   for (const Sample& sample : enamel) z.push_back(sample.p_L.z());
   Vec3 fit(quantile(z, 0.5), 0.0, 0.0);  // a, b, c; x and y relative to the front.
   double limit_mm = 2.0 * kCrowns_mm;

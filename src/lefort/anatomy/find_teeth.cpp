@@ -96,7 +96,8 @@ struct JawBox {
   [[nodiscard]] Vec3 point_L(std::size_t v) const {
     const image::Grid& grid = jaw.grid;
     const Index i = Index(v) % grid.size[0], jk = Index(v) / grid.size[0];
-    return grid.point_L({double(i), double(jk % grid.size[1]), double(jk / grid.size[1])});
+    const Index j = jk % grid.size[1], k = jk / grid.size[1];
+    return grid.point_L({double(i), double(j), double(k)});
   }
   [[nodiscard]] bool is_near_plane(std::size_t v, double limit_mm) const {
     return std::abs(plane.height_mm(point_L(v))) < limit_mm;
@@ -167,8 +168,8 @@ ToothMap find_teeth(const image::CtVolume& ct, const LabelMap& labels, double bo
   const Margin margin = margin_around(grid, {2, 2, 2}, [&](std::size_t v) {
     if (!is_bone(labels.values[v])) return false;
     const Index i = Index(v) % grid.size[0], jk = Index(v) / grid.size[0];
-    const Vec3 p_L =
-        grid.point_L({double(i), double(jk % grid.size[1]), double(jk / grid.size[1])});
+    const Index j = jk % grid.size[1], k = jk / grid.size[1];
+    const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
     return plane->is_in_arch_column(p_L, kArchMargin_mm) &&
            std::abs(plane->height_mm(p_L)) < kRoot_mm;
   });
