@@ -136,7 +136,9 @@ TEST(FindLandmarks, AreMirroredInAMirroredHead) {
     const auto other = plan::find_landmark(two, name);
     if (!other) continue;
     const Vec3 back = other->cwiseProduct(Vec3(-1, 1, 1));
-    EXPECT_LT((back - landmark.point_L).norm(), 3.0) << landmark.name;  // Two voxels.
+    // Known: the groove beside the nose is flat, and Al differs by 2.7 mm (docs/studies/landmarks.md).
+    const double limit_mm = landmark.name.starts_with("Al-") ? 3.0 : 2.5;
+    EXPECT_LT((back - landmark.point_L).norm(), limit_mm) << landmark.name;
     ++compared;
   }
   EXPECT_GT(compared, 30);

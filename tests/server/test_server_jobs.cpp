@@ -829,8 +829,6 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
   json plan = test::with_paper_boundary(test::small_plan());
-  // Tissue that is painted across a gap of the cut does not bear the whole movement.
-  plan["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0.0, -1.5, 0.0};
   ASSERT_EQ(api.put("/plan", plan).status, 200);
   ASSERT_EQ(api.run({{"kind", "cut"}})["state"], "done");
   ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");

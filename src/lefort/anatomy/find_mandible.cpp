@@ -244,10 +244,12 @@ Mask find_mandible(const image::CtVolume& ct, const Mask& bone, double bone_hu) 
         if (Mask mandible = component(parts, jaw); is_plausible(mandible)) return mandible;
   }
   Mask mandible = none(bone.grid);
+  const Index bone_voxels = voxel_count(bone);
   for (const OcclusalPlane& plane : find_occlusal_planes(ct, bone, bone_hu)) {
     const Margin margin = around_jaws(bone, plane);
     const Mask part = separated_at(cropped(ct, margin), cropped(bone, margin), bone_hu, plane);
-    if (!is_plausible(part)) continue;
+    const bool is_smaller_than_skull = 2 * voxel_count(part) < bone_voxels;
+    if (!is_plausible(part) || !is_smaller_than_skull) continue;
     paste(part, margin, mandible);
     break;
   }

@@ -16,7 +16,7 @@ namespace lefort::anatomy {
 /// lies behind them. The markers keep 5 mm from the plane. Both grow, thick bone first, so that
 /// they meet at the narrowest cross-sections: in the joints and at the occlusion. A joint space is
 /// less dense than bone; the marrow that dense bone encloses is not narrow. The result is one
-/// component of 10 to 150 ml.
+/// component of 10 to 150 ml, smaller than the rest of bone.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone, including marrow. \pre on the grid of `ct`.

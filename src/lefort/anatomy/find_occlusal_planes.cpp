@@ -26,7 +26,7 @@ constexpr double kStep_deg = 4.0;
 constexpr int kNear_mm = 3, kFar_mm = 22;
 // Least sum over the planes on both sides: 150 mm^2 of cortical bone.
 constexpr double kMinArch_hu_mm2 = 150.0 * 1000.0;
-// Least contrast of a gap; and the most candidates, which lie further apart than this.
+// Minimum contrast of a gap, maximum number of candidates, and minimum distance between two.
 constexpr double kMinContrast = 0.4;
 constexpr std::size_t kMaxPlanes = 4;
 constexpr double kApart_mm = 6.0;
