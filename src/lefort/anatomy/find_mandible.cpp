@@ -113,7 +113,8 @@ struct Points {
 
   [[nodiscard]] Vec3 operator()(std::size_t v) const {
     const Index i = Index(v) % grid.size[0], jk = Index(v) / grid.size[0];
-    return grid.point_L({double(i), double(jk % grid.size[1]), double(jk / grid.size[1])});
+    const Index j = jk % grid.size[1], k = jk / grid.size[1];
+    return grid.point_L({double(i), double(j), double(k)});
   }
 };
 
@@ -221,7 +222,7 @@ void add_marrow(const Mask& bone, const OcclusalPlane& plane, Mask& mandible) {
 /// The mandible below and above the plane; empty if there is none.
 Mask separated_at(const image::CtVolume& ct, const Mask& bone, double bone_hu,
                   const OcclusalPlane& plane) {
-  const Mask body = body_below(bone, plane);
+  Mask body = body_below(bone, plane);
   if (voxel_count(body) == 0) return body;
   const auto basins =
       seeded_watershed(seeds_around(bone, body, plane), bone, dense_width(ct, bone, bone_hu));
