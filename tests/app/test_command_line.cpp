@@ -1,4 +1,5 @@
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>

@@ -5,6 +5,7 @@
 #include <lefort/core/units.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/image/volume.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/volume_files.h>

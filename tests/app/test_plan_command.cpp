@@ -2,6 +2,7 @@
 /// `lefort plan check` and `lefort landmarks`, as a user runs them.
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/landmarks_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 

@@ -1,6 +1,7 @@
 /// \file
 /// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
 /// moves forward.
+#include <lefort/io/read_text.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>

@@ -1,5 +1,6 @@
 /// \file
 /// The demo's plans on the real CT of Debian's invesalius-examples, coarse: scan in, face out.
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 

@@ -1,3 +1,4 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 
 #include <gtest/gtest.h>

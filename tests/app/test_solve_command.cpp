@@ -1,5 +1,6 @@
 /// \file
 /// `lefort solve` on blocks of a few tetrahedra, as a user would run it.
+#include <lefort/io/read_text.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>

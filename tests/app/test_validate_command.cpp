@@ -1,5 +1,6 @@
 /// \file
 /// `lefort validate`, `lefort calibrate` and `lefort phantom --cohort`, as a user runs them.
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>

@@ -1,5 +1,5 @@
 #include <lefort/bench/convergence.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <gtest/gtest.h>
 #include <support/temporary_folder.h>

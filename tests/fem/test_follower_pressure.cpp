@@ -32,9 +32,10 @@ Assembler assembler_of(const mesh::VolumeMesh& mesh, const FollowerPressure& ter
 }
 
 /// \returns random displacements of all nodes up to the given size.
-VectorX shaken(const mesh::VolumeMesh& mesh, double reach_mm, unsigned seed) {
+VectorX shaken(const mesh::VolumeMesh& mesh, double max_displacement_mm, unsigned seed) {
   test::RandomDeformation random(seed);
-  return VectorX::NullaryExpr(3 * mesh.node_count(), [&] { return reach_mm * random.number(); });
+  return VectorX::NullaryExpr(3 * mesh.node_count(),
+                              [&] { return max_displacement_mm * random.number(); });
 }
 
 Vec3 resultant(const VectorX& residual_n) {

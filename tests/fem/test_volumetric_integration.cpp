@@ -34,9 +34,10 @@ DecoupledLaw<IsochoricNeoHookean> law_of(double mu_mpa, double kappa_mpa) {
 const Material kNearlyIncompressible = law_of(0.5, 500.0);
 const Material kModerate = law_of(0.5, 5.0);
 
-VectorX shaken(const mesh::VolumeMesh& mesh, double reach_mm, unsigned seed) {
+VectorX shaken(const mesh::VolumeMesh& mesh, double max_displacement_mm, unsigned seed) {
   test::RandomDeformation random(seed);
-  return VectorX::NullaryExpr(3 * mesh.node_count(), [&] { return reach_mm * random.number(); });
+  return VectorX::NullaryExpr(3 * mesh.node_count(),
+                              [&] { return max_displacement_mm * random.number(); });
 }
 
 class VolumetricIntegrations : public testing::TestWithParam<ElementShape> {};

@@ -21,9 +21,9 @@ using geometry::TriangleMesh;
 
 void expect_report(const PreparedSurface& surface, const MeshRepairReport& wanted) {
   const MeshRepairReport& found = surface.report;
-  EXPECT_EQ(found.repeated_vertices, wanted.repeated_vertices);
-  EXPECT_EQ(found.collapsed_triangles, wanted.collapsed_triangles);
-  EXPECT_EQ(found.repeated_triangles, wanted.repeated_triangles);
+  EXPECT_EQ(found.duplicate_vertices, wanted.duplicate_vertices);
+  EXPECT_EQ(found.degenerate_triangles, wanted.degenerate_triangles);
+  EXPECT_EQ(found.duplicate_triangles, wanted.duplicate_triangles);
   EXPECT_EQ(found.opposite_duplicates, wanted.opposite_duplicates);
   EXPECT_EQ(found.flipped_triangles, wanted.flipped_triangles);
   EXPECT_EQ(found.boundary_edges, wanted.boundary_edges);
@@ -57,8 +57,8 @@ TEST(PrepareSurface, WeldsASoupAndCountsWeldedVertices) {
   const PreparedSurface surface = prepare_surface(test::unwelded(kTorus)).value();
   EXPECT_TRUE(surface.closed);
   EXPECT_EQ(surface.mesh_B.vertex_count(), kTorus.vertex_count());
-  expect_report(surface, (MeshRepairReport{.repeated_vertices = 3 * kTorus.triangle_count() -
-                                                                kTorus.vertex_count()}));
+  expect_report(surface, (MeshRepairReport{.duplicate_vertices = 3 * kTorus.triangle_count() -
+                                                                 kTorus.vertex_count()}));
   EXPECT_TRUE(describe(surface.report).empty());  // Not reported: every STL needs welding.
 }
 
@@ -68,7 +68,7 @@ TEST(PrepareSurface, DropsDuplicates) {
   mesh.triangles.insert(mesh.triangles.begin() + 40, {b, c, a});
   mesh.triangles.push_back({c, a, b});
   const PreparedSurface surface = prepare_surface(mesh).value();
-  expect_report(surface, MeshRepairReport{.repeated_triangles = 2});
+  expect_report(surface, MeshRepairReport{.duplicate_triangles = 2});
   EXPECT_EQ(describe(surface.report), std::vector<std::string>{"2 triangles dropped as redundant"});
   EXPECT_TRUE(surface.closed);
   EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);  // The first of the three remains.
@@ -78,7 +78,7 @@ TEST(PrepareSurface, DropsTrianglesWithCoincidentCorners) {
   TriangleMesh mesh = kTorus;
   mesh.triangles.push_back({5, 5, 9});
   const PreparedSurface surface = prepare_surface(mesh).value();
-  expect_report(surface, MeshRepairReport{.collapsed_triangles = 1});
+  expect_report(surface, MeshRepairReport{.degenerate_triangles = 1});
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"1 triangle with coincident corners dropped"});
 }
@@ -216,7 +216,7 @@ TEST(PrepareSurface, FlipsAComponentThatTouchesAnotherAtAPoint) {
   const TriangleMesh bad =
       test::turn_inside_out(test::make_box(Vec3(10, 10, 10), Vec3(15, 15, 15)));
   const PreparedSurface surface = prepare_surface(test::join(good, bad)).value();
-  expect_report(surface, (MeshRepairReport{.repeated_vertices = 1, .flipped_triangles = 12}));
+  expect_report(surface, (MeshRepairReport{.duplicate_vertices = 1, .flipped_triangles = 12}));
   EXPECT_NEAR(volume_mm3(surface), 1000 + 125, 1e-9);
 }
 
@@ -260,7 +260,7 @@ TEST(PrepareSurface, CountsBoundaryAndNonManifoldEdges) {
                                       test::make_box(Vec3(5, 5, 0), Vec3(10, 10, 5)));
   const PreparedSurface surface = prepare_surface(two).value();
   EXPECT_TRUE(surface.closed);
-  expect_report(surface, (MeshRepairReport{.repeated_vertices = 2, .non_manifold_edges = 1}));
+  expect_report(surface, (MeshRepairReport{.duplicate_vertices = 2, .non_manifold_edges = 1}));
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"1 edge with more than two triangles"});
 
@@ -294,8 +294,8 @@ TEST(PrepareSurface, IsIdempotent) {
     const auto twice = prepare_surface(once->mesh_B);
     ASSERT_TRUE(twice);
     EXPECT_EQ(twice->closed, once->closed) << seed;
-    EXPECT_EQ(twice->report.repeated_triangles, 0) << seed;
-    EXPECT_EQ(twice->report.collapsed_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.duplicate_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.degenerate_triangles, 0) << seed;
     EXPECT_EQ(twice->report.flipped_triangles, 0) << seed;
     EXPECT_EQ(twice->report.inconsistent_edges, once->report.inconsistent_edges) << seed;
     EXPECT_EQ(twice->report.boundary_edges, once->report.boundary_edges) << seed;

@@ -3,8 +3,8 @@
 ///
 /// Every response conforms to the contract, the server continues, and nothing changes except what
 /// was requested. Seeded; limited in number and time.
+#include <lefort/io/read_text.h>
 #include <lefort/io/segmentation_file.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/server/api/contract.h>
 #include <lefort/server/http/http_server.h>
 

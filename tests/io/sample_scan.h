@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/image/interpolate.h>
 #include <lefort/image/volume.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>

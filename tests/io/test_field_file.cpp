@@ -140,9 +140,9 @@ TEST(FieldFile, StoresItsSource) {
   EXPECT_EQ(source.triangles, 320 + 2);
   EXPECT_EQ(source.parts, 2);
   EXPECT_EQ(source.report.flipped_triangles, 1);
-  EXPECT_EQ(source.report.collapsed_triangles, 1);
-  EXPECT_EQ(source.report.repeated_triangles, 1);
-  EXPECT_EQ(source.report.repeated_vertices, 1);
+  EXPECT_EQ(source.report.degenerate_triangles, 1);
+  EXPECT_EQ(source.report.duplicate_triangles, 1);
+  EXPECT_EQ(source.report.duplicate_vertices, 1);
   EXPECT_EQ(source.report.boundary_edges, 4);
 
   std::string bytes = encode_field(field);

@@ -1,5 +1,5 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/segmentation_file.h>
-#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
-#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 #include <zlib.h>

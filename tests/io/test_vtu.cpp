@@ -1,4 +1,5 @@
 #include <lefort/io/internal/wedge_order.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>

@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>

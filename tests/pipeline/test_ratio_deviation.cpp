@@ -53,7 +53,7 @@ TEST(DeviationReasons, AreEmptyInsideTheRangeAndWithoutOne) {
 TEST(DeviationReasons, SayWhetherTheInterfaceExplainsTheDeviation) {
   const auto explained = by_interfaces(ratio_of("A'", 0.9, 0.4, 0.7), 0.95, 0.65);
   EXPECT_TRUE(are(deviation_reasons(explained.front()),
-                  {"0.65 by contact and 0.95 with held tissue, so that the "
+                  {"0.65 by contact and 0.95 with attached tissue, so that the "
                    "interface explains it"}));
   const auto still_outside = by_interfaces(ratio_of("A'", 0.9, 0.4, 0.7), 0.95, 0.75);
   EXPECT_TRUE(are(deviation_reasons(still_outside.front()), {"Not the interface"}));

@@ -247,16 +247,17 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
       EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
       EXPECT_EQ(a.residual_n, b.residual_n);
     }
-    ASSERT_EQ(rest.touched.size(), whole.touched.size());
-    for (std::size_t k = 0; k < whole.touched.size(); ++k)
-      for (std::size_t n = 0; n < whole.touched[k].size(); ++n) {
-        const contact::NodalContact &here = rest.touched[k][n], &there = whole.touched[k][n];
+    ASSERT_EQ(rest.nodal_contacts.size(), whole.nodal_contacts.size());
+    for (std::size_t k = 0; k < whole.nodal_contacts.size(); ++k)
+      for (std::size_t n = 0; n < whole.nodal_contacts[k].size(); ++n) {
+        const contact::NodalContact &here = rest.nodal_contacts[k][n],
+                                    &there = whole.nodal_contacts[k][n];
         EXPECT_EQ(here.pressure_mpa, there.pressure_mpa) << "node " << n;
         EXPECT_EQ(here.depth_mm, there.depth_mm) << "node " << n;
       }
   }
   double deepest_mm = 0.0;
-  for (const auto& of_segment : whole.touched)
+  for (const auto& of_segment : whole.nodal_contacts)
     for (const contact::NodalContact& node : of_segment)
       deepest_mm = std::max(deepest_mm, node.depth_mm);
   EXPECT_GT(deepest_mm, 0.0);
@@ -393,9 +394,9 @@ TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
   const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary = test::paper_boundary();
   const auto smooth = contact::DetectionMethod::kSmooth;
-  EXPECT_FALSE(check_reach({far}, model.segments, smooth, boundary));
+  EXPECT_FALSE(check_query_range({far}, model.segments, smooth, boundary));
   boundary.interface = TissueInterface::kBonded;
-  EXPECT_TRUE(check_reach({far}, model.segments, smooth, boundary));
+  EXPECT_TRUE(check_query_range({far}, model.segments, smooth, boundary));
 }
 
 TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {

@@ -167,8 +167,8 @@ TEST(SeveralSegments, EachReportsItsContact) {
   EXPECT_EQ(both.max_penetration_increase_mm, left.max_penetration_increase_mm);
   EXPECT_LT(both.mean_penetration_increase_mm, left.mean_penetration_increase_mm);
   EXPECT_GT(both.mean_penetration_increase_mm, right.mean_penetration_increase_mm);
-  ASSERT_EQ(prediction.touched.size(), 2U);
-  for (const contact::NodalContact& node : prediction.touched[1]) {
+  ASSERT_EQ(prediction.nodal_contacts.size(), 2U);
+  for (const contact::NodalContact& node : prediction.nodal_contacts[1]) {
     if (node.pressure_mpa > 0.0) {
       EXPECT_GT(model.tissue.nodes_L[std::size_t(node.node)].x(), 30.0);
     }
@@ -236,8 +236,8 @@ TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndWhenResumed) {
                   whole.steps[n].segments[k].contact.force_L_n);
     }
     for (std::size_t k = 0; k < 2; ++k)
-      for (std::size_t n = 0; n < whole.touched[k].size(); ++n)
-        EXPECT_EQ(rest.touched[k][n].pressure_mpa, whole.touched[k][n].pressure_mpa);
+      for (std::size_t n = 0; n < whole.nodal_contacts[k].size(); ++n)
+        EXPECT_EQ(rest.nodal_contacts[k][n].pressure_mpa, whole.nodal_contacts[k][n].pressure_mpa);
   }
 }
 

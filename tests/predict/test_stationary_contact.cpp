@@ -90,7 +90,7 @@ TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
   const contact::ContactStatistics& contact = pressed.steps.back().stationary_contact;
   EXPECT_GT(contact.area_mm2, 0.8 * kSide_mm * kSide_mm);
   EXPECT_GT(contact.force_L_n.z(), 0.99 * contact.normal_force_n);  // Up, without friction.
-  EXPECT_TRUE(pressed.touched.empty());                             // No segment is touched.
+  EXPECT_TRUE(pressed.nodal_contacts.empty());                      // No segment is touched.
   ASSERT_EQ(pressed.steps.back().segments.size(), 1U);
   EXPECT_EQ(pressed.steps.back().segments[0].contact.points, 0);
 

@@ -1,5 +1,6 @@
 /// \file
 /// `lefort serve` as a program: how it begins, ends, and is killed.
+#include <lefort/io/read_text.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/serve_case.h>

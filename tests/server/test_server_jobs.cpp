@@ -1,5 +1,6 @@
 /// \file
 /// Jobs, events, uploads and the case folder: nothing is lost, nothing leaves the folder.
+#include <lefort/io/read_text.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/server/api/contract.h>

@@ -78,7 +78,7 @@ TEST(RunDeck, ABallPressedIntoASlabIsAboutHertz) {
   EXPECT_LT(contact.max_penetration_mm, 0.15 * depth_mm);
   EXPECT_LT((sum(done.last->reactions_n) + contact.force_L_n).norm(), 1e-8);
   // The largest pressure is near the lowest point of the ball, and there is none elsewhere.
-  const auto& touched = done.last->touched[0];
+  const auto& touched = done.last->nodal_contacts[0];
   const mesh::VolumeMesh mesh = slab();
   double highest_mpa = 0.0;
   Vec3 at_L = Vec3::Zero();

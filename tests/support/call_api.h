@@ -2,8 +2,8 @@
 /// Calls the planner's API without a socket, with its own case folder.
 #pragma once
 
+#include <lefort/io/read_text.h>
 #include <lefort/io/volume_files.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/server/api/api.h>
 
 #include <gtest/gtest.h>

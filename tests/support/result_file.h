@@ -2,8 +2,8 @@
 /// Result files of commands, checked against their schemas in contract/.
 #pragma once
 
+#include <lefort/io/read_text.h>
 #include <lefort/io/validate_json.h>
-#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -22,7 +22,7 @@ namespace lefort::test {
 inline constexpr double kSide_mm = 12.0;
 inline constexpr double kHeight_mm = 9.0;
 
-inline predict::MovedSegment moved(geometry::TriangleMesh surface_B) {
+inline predict::ContactBone moved(geometry::TriangleMesh surface_B) {
   auto field =
       field::build_distance_field(surface_B, {.resolution = 64, .band_mm = 3.0, .smooth = true});
   return {std::move(surface_B), std::make_shared<const field::DistanceField>(*std::move(field))};

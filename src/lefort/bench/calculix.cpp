@@ -1,5 +1,6 @@
 #include <lefort/bench/calculix.h>
 #include <lefort/bench/run_process.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>

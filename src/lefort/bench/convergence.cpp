@@ -111,7 +111,7 @@ Result<MethodRun> follow(const ConvergenceCase& task, const ContactMethod& metho
 
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
   std::vector<contact::RigidObstacle> bones;
-  for (const predict::MovedSegment& segment : task.model.segments) {
+  for (const predict::ContactBone& segment : task.model.segments) {
     LEFORT_TRY(auto distance_query_B, predict::segment_distance_query(segment, method.detection));
     bones.push_back({std::move(distance_query_B)});
   }

@@ -105,20 +105,20 @@ EmbreePoints::~EmbreePoints() {
   rtcReleaseDevice(scene_->device);
 }
 
-void EmbreePoints::distances(std::span<const Vec3> points, double reach_mm,
+void EmbreePoints::distances(std::span<const Vec3> points, double max_distance_mm,
                              std::span<double> distances_mm) const {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  const auto reach = float(reach_mm);
-  const float squared_reach =
-      std::isfinite(reach) ? reach * reach : std::numeric_limits<float>::infinity();
+  const auto radius = float(max_distance_mm);
+  const float squared_radius =
+      std::isfinite(radius) ? radius * radius : std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
     RTCPointQuery query{};
     query.x = float(points[i].x());
     query.y = float(points[i].y());
     query.z = float(points[i].z());
-    query.radius = reach;
-    Search search{&scene_->vertices, &scene_->triangles, squared_reach};
+    query.radius = radius;
+    Search search{&scene_->vertices, &scene_->triangles, squared_radius};
     rtcPointQuery(scene_->scene, &query, &context, nullptr, &search);
     distances_mm[i] = double(std::sqrt(search.squared));
   }

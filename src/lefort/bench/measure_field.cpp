@@ -224,7 +224,7 @@ Json measure_tree(
     const std::function<void(const Tree&, std::span<const Vec3>, double, std::span<double>)>& ask) {
   Json result;
   const std::vector<Vec3> band = band_points(mesh, task);
-  const double reach_mm = task.half_band_cells * task.side_mm / task.resolution * 1.001;
+  const double max_distance_mm = task.half_band_cells * task.side_mm / task.resolution * 1.001;
   std::vector<Vec3> requested = band;
   if (at_most > 0 && Index(band.size()) > at_most) {
     requested.clear();
@@ -239,7 +239,7 @@ Json measure_tree(
     tree = std::make_unique<Tree>(mesh);
     build.push_back(now_seconds() - start);
     start = now_seconds();
-    ask(*tree, requested, reach_mm, found);
+    ask(*tree, requested, max_distance_mm, found);
     query.push_back(now_seconds() - start);
   }
   const double fraction = double(band.size()) / double(requested.size());
@@ -270,8 +270,8 @@ Result<Json> measure_field(const geometry::TriangleMesh& skull, const FieldTask&
   if (task.method == "embree")
     return measure_tree<EmbreePoints>(
         skull, task, 0,
-        [](const EmbreePoints& tree, std::span<const Vec3> points, double reach_mm,
-           std::span<double> found) { tree.distances(points, reach_mm, found); });
+        [](const EmbreePoints& tree, std::span<const Vec3> points, double max_distance_mm,
+           std::span<double> found) { tree.distances(points, max_distance_mm, found); });
   if (task.method == "cgal")
     return measure_tree<CgalTree>(skull, task, task.exact_points,
                                   [](const CgalTree& tree, std::span<const Vec3> points, double,

@@ -3,6 +3,7 @@
 #include <lefort/bench/solve_task.h>
 #include <lefort/bench/stopwatch.h>
 #include <lefort/core/version.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>

@@ -49,7 +49,7 @@ struct NodalContact {
 };
 
 /// One quadrature point in contact.
-struct TouchedPoint {
+struct ContactPoint {
   Vec3 x_L = Vec3::Zero();      ///< Current position [mm].
   double pressure_mpa = 0.0;    ///< > 0.
   Vec3 force_n = Vec3::Zero();  ///< On the tissue.

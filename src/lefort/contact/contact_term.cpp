@@ -259,17 +259,17 @@ ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
   return std::move(sum).finish(history_.tunnelled_area_mm2());
 }
 
-std::vector<TouchedPoint> ContactTerm::touched_points(std::span<const Vec3> x_L) const {
-  std::vector<TouchedPoint> touched;
+std::vector<ContactPoint> ContactTerm::contact_points(std::span<const Vec3> x_L) const {
+  std::vector<ContactPoint> points;
   for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
     for_each_point(patch, x_L, [&](const PointGap& at) {
       const Vec3 traction_mpa = pressure_at(at) * at.acting.gradient_L;
       if (traction_mpa.isZero(0.0)) return;
-      touched.push_back({.x_L = at.p_L,
-                         .pressure_mpa = traction_mpa.norm(),
-                         .force_n = surface_.area_mm2(at.number) * traction_mpa});
+      points.push_back({.x_L = at.p_L,
+                        .pressure_mpa = traction_mpa.norm(),
+                        .force_n = surface_.area_mm2(at.number) * traction_mpa});
     });
-  return touched;
+  return points;
 }
 
 std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const {

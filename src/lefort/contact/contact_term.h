@@ -166,7 +166,7 @@ class ContactTerm final : public fem::ForceTerm {
 
   /// \param x_L  current positions of all nodes [mm].
   /// \returns the quadrature points in contact, in the order of the faces.
-  [[nodiscard]] std::vector<TouchedPoint> touched_points(std::span<const Vec3> x_L) const;
+  [[nodiscard]] std::vector<ContactPoint> contact_points(std::span<const Vec3> x_L) const;
 
  private:
   /// A quadrature point at one state.

@@ -30,8 +30,8 @@ template <class Function>
 void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
                                               std::size_t patch, std::span<const Vec3> x_L,
                                               bool wants_hessian, const Function& f,
-                                              double reach_factor) const {
-  const double reach_mm = reach_factor * reach_mm_[patch];
+                                              double max_depth_factor) const {
+  const double max_depth_mm = max_depth_factor * max_depth_mm_[patch];
   std::vector<PatchTriangle> triangles;  // Only if there is a point.
   const auto visit = [&](std::size_t bone, std::size_t v) {
     if (triangles.empty()) triangles = triangles_of(patches_[patch], x_L);
@@ -40,7 +40,7 @@ void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>&
     const auto depth =
         point_depth(patches_[patch], triangles,
                     {X_LB * of_bone.points_B()[v], X_LB.linear() * of_bone.normals_B()[v]},
-                    reach_mm, wants_hessian);
+                    max_depth_mm, wants_hessian);
     if (depth && depth->depth_mm > points[bone].rest_depths_mm[v]) f(bone, v, *depth);
   };
   const bool is_noted = &points == &sharp_points_;
@@ -49,18 +49,18 @@ void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>&
     if (of_bone.points_B().empty()) continue;
     const double moved_mm =
         is_noted ? moved_since_note_mm(bone, patch, x_L) : std::numeric_limits<double>::infinity();
-    if (reach_mm + moved_mm < clearances_.points.range_mm()) {
+    if (max_depth_mm + moved_mm < clearances_.points.range_mm()) {
       for (const PointCandidate& near : clearances_.points.of(patch))
         if (near.bone == bone && near.in_front_mm <= moved_mm &&
-            near.distance_mm - moved_mm < reach_mm)
+            near.distance_mm - moved_mm < max_depth_mm)
           visit(bone, near.point);
       continue;
     }
     const RigidTransform X_BL = obstacles_[bone].X_LB.inverse();
     Box3 box_B;
     for (const Vec3& x : x_L) box_B.extend(X_BL * x);
-    const Vec3 reach = Vec3::Constant(reach_mm);
-    of_bone.for_each_in(Box3(box_B.min() - reach, box_B.max() + reach),
+    const Vec3 margin = Vec3::Constant(max_depth_mm);
+    of_bone.for_each_in(Box3(box_B.min() - margin, box_B.max() + margin),
                         [&](std::size_t v) { visit(bone, v); });
   }
 }

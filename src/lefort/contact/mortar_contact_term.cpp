@@ -53,7 +53,7 @@ constexpr double kMaxGapSlope = 1.1;
 
 /// Largest depth of a sharp point, as a fraction of the radius of a node patch. In one increment a
 /// bone must not move further.
-constexpr double kReach = 0.5;
+constexpr double kMaxDepthFactor = 0.5;
 
 /// In the reference configuration, points are searched this many times deeper.
 constexpr double kRestReach = 2.0;
@@ -126,7 +126,7 @@ void MortarContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
     for (const std::int32_t n : patches_[p].nodes)
       radius_mm = std::max(
           radius_mm, (nodes_L[std::size_t(n)] - nodes_L[std::size_t(patches_[p].node())]).norm());
-    reach_mm_.push_back(kReach * radius_mm);
+    max_depth_mm_.push_back(kMaxDepthFactor * radius_mm);
     element_size_mm_ += radius_mm / double(patches_.size());
   }
   for (const RigidObstacle& obstacle : obstacles_) {
@@ -153,7 +153,7 @@ void MortarContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
         points, p, positions(patches_[p], nodes_L), false,
         [&](std::size_t bone, std::size_t v, const PointDepth& depth) {
           at_rest[bone][v] =
-              std::max(at_rest[bone][v], depth.depth_mm < reach_mm_[p]
+              std::max(at_rest[bone][v], depth.depth_mm < max_depth_mm_[p]
                                              ? depth.depth_mm
                                              : std::numeric_limits<double>::infinity());
         },
@@ -282,7 +282,7 @@ bool MortarContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   return true;
 }
 
-bool holds_same(const ActiveSet& a, const ActiveSet& b) {
+bool same_active_patches(const ActiveSet& a, const ActiveSet& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](double p, double q) { return (p > 0.0) == (q > 0.0); });
 }
@@ -401,7 +401,7 @@ std::vector<Vec3> MortarContactTerm::carried(std::span<const Vec3> from_L,
 }
 
 std::string MortarContactTerm::inadmissible_cause() const {
-  return "tissue lies deeper in a bone than its distance field reaches (field.band_mm)";
+  return "tissue lies deeper in a bone than the band of its distance field (field.band_mm)";
 }
 
 void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
@@ -419,9 +419,9 @@ void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
   });
   std::vector<const BonePoints*> points;
   for (const PointsWithRest& of_bone : sharp_points_) points.push_back(&of_bone.points);
-  now.points = PointCandidates(
-      patches_, faces_, points, obstacles_, x_L,
-      *std::max_element(reach_mm_.begin(), reach_mm_.end()) + kNotedMotion * element_size_mm_);
+  now.points = PointCandidates(patches_, faces_, points, obstacles_, x_L,
+                               *std::max_element(max_depth_mm_.begin(), max_depth_mm_.end()) +
+                                   kNotedMotion * element_size_mm_);
   clearances_ = std::move(now);
 }
 

@@ -62,11 +62,11 @@ inline constexpr double kMortarTolerance_mm = 0.01;
 }
 
 /// For each node patch, an estimate of its contact pressure [MPa]. The weighted gaps of patches
-/// with a positive one are held. Empty: contact is unilateral.
+/// with a positive one are constrained to zero. Empty: contact is unilateral.
 using ActiveSet = std::vector<double>;
 
-/// \returns whether the same patches are held.
-[[nodiscard]] bool holds_same(const ActiveSet& a, const ActiveSet& b);
+/// \returns whether the same patches are active.
+[[nodiscard]] bool same_active_patches(const ActiveSet& a, const ActiveSet& b);
 
 class MortarContactTerm final : public fem::ForceTerm {
  public:
@@ -79,9 +79,9 @@ class MortarContactTerm final : public fem::ForceTerm {
     bool has_sharp_points = true;
   };
 
-  /// \param nodes_L    all nodes in the reference configuration [mm].
-  /// \param faces      counter-clockwise seen from outside the tissue.
-  /// \param bones      at their poses in the reference configuration; at least one. Their sharp
+  /// \param nodes_L  all nodes in the reference configuration [mm].
+  /// \param faces    counter-clockwise seen from outside the tissue.
+  /// \param bones    at their poses in the reference configuration; at least one. Their sharp
   ///   points are those of DistanceQuery::surface_B(); without a surface there are none.
   MortarContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                     std::vector<RigidObstacle> bones, const Options& options);
@@ -181,7 +181,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::vector<Vec3> own_points(const NodePatch& patch,
                                              std::span<const Vec3> x_L) const;
   /// Points of one bone, with their depths in the reference configuration, D_0. It is infinite for
-  /// points beyond reach there: parts of the bone that the tissue mesh does not resolve.
+  /// points deeper than max_depth_mm there: parts of the bone that the tissue mesh does not
+  /// resolve.
   struct PointsWithRest {
     BonePoints points;
     std::vector<double> rest_depths_mm;
@@ -191,7 +192,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   template <class Function>
   void for_each_point_behind(const std::vector<PointsWithRest>& points, std::size_t patch,
                              std::span<const Vec3> x_L, bool wants_hessian, const Function& f,
-                             double reach_factor = 1.0) const;
+                             double max_depth_factor = 1.0) const;
   /// Sets PointsWithRest::rest_depths_mm.
   void find_rest_depths(std::vector<PointsWithRest>& points, std::span<const Vec3> nodes_L) const;
   void find_bone_points(std::span<const Vec3> nodes_L);
@@ -213,8 +214,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   std::vector<double> rest_offsets_mm_;
   /// Of each patch: depth up to which a point behind it is in contact, half of its radius. The
   /// radius is the largest distance of its node from another node of the patch.
-  std::vector<double> reach_mm_;
-  double element_size_mm_ = 0.0;  ///< h: mean over the patches of their radius (reach_mm_).
+  std::vector<double> max_depth_mm_;
+  double element_size_mm_ = 0.0;  ///< h: mean over the patches of their radius (max_depth_mm_).
   std::vector<PointsWithRest> sharp_points_, vertices_;  ///< Of each bone.
   std::vector<mesh::Face> faces_;
   std::vector<double> face_areas_mm2_;      ///< In the reference configuration.

@@ -227,10 +227,10 @@ std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const 
 
 std::optional<PointDepth> point_depth(const NodePatch& patch,
                                       std::span<const PatchTriangle> triangles, const BonePoint& v,
-                                      double reach_mm, bool wants_hessian) {
+                                      double max_depth_mm, bool wants_hessian) {
   const Vec3& v_L = v.p_B;
   geometry::TrianglePoint closest{.point = v_L,
-                                  .squared_distance_mm2 = reach_mm * reach_mm,
+                                  .squared_distance_mm2 = max_depth_mm * max_depth_mm,
                                   .feature = geometry::Feature::kFace};
   const PatchTriangle* at = nullptr;
   for (const PatchTriangle& candidate : triangles) {

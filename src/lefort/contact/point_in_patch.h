@@ -72,18 +72,18 @@ struct PatchTriangle {
 /// Width of the fade, as a fraction of half an edge.
 inline constexpr double kFadeWidth = 0.4;
 
-/// \param patch     the patch.
-/// \param triangles triangles_of() the patch.
-/// \param v         the point, with the outward normal of its bone.
-/// \param reach_mm  max depth.
+/// \param patch         the patch.
+/// \param triangles     triangles_of() the patch.
+/// \param v             the point, with the outward normal of its bone.
+/// \param max_depth_mm  max depth.
 /// \returns the depth; nothing
-///   - if the point is outside, or deeper than `reach_mm`,
+///   - if the point is outside, or deeper than `max_depth_mm`,
 ///   - if its bone is on the other side of the tissue: its normal does not oppose that of the face,
 ///   - if it is closest to the border of the patch, where its hat function is 0, or to the border
 ///     of the contact faces, where its fade is 0.
 [[nodiscard]] std::optional<PointDepth> point_depth(const NodePatch& patch,
                                                     std::span<const PatchTriangle> triangles,
-                                                    const BonePoint& v, double reach_mm,
+                                                    const BonePoint& v, double max_depth_mm,
                                                     bool wants_hessian);
 
 }  // namespace lefort::contact

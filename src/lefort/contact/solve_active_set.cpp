@@ -48,7 +48,7 @@ fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts
     bool is_same = true;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       ActiveSet updated = contacts[k]->updated_active_set(active[k], from_L, to_L, length);
-      is_same = is_same && holds_same(updated, active[k]);
+      is_same = is_same && same_active_patches(updated, active[k]);
       active[k] = std::move(updated);
     }
     at = std::move(next.x);

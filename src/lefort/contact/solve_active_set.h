@@ -15,7 +15,7 @@ namespace lefort::contact {
 /// Finds the equilibrium from a start with at most a number of Newton iterations.
 using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max_iterations)>;
 
-/// Algorithm. The active set consists of the nodes whose weighted gap is held at zero by the
+/// Algorithm. The active set consists of the nodes whose weighted gap is kept at zero by the
 /// penalty, whatever its sign; the others are free. It starts with the nodes that have contact
 /// pressure in the last equilibrium. Until the step converges and the set does not change:
 ///
@@ -29,10 +29,10 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 /// unilateral. The set is no history variable. If the equations have several solutions, it can
 /// influence which one is found.
 ///
-/// \param contacts  at their poses.
-/// \param nodes_L   nodes in the reference configuration [mm].
-/// \param active    active set of each contact in the last equilibrium (active_set()).
-/// \param start     displacements of all nodes [mm], first argument of the first solve.
+/// \param contacts        at their poses.
+/// \param nodes_L         nodes in the reference configuration [mm].
+/// \param active          active set of each contact in the last equilibrium (active_set()).
+/// \param start           displacements of all nodes [mm], first argument of the first solve.
 /// \param max_iterations  of the unilateral solve.
 /// \returns the outcome with the history of all steps.
 [[nodiscard]] fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts,

@@ -8,13 +8,13 @@ namespace lefort::field {
 
 /// Defects of a surface. Those that can be repaired unambiguously were repaired.
 struct MeshRepairReport {
-  Index repeated_vertices = 0;  ///< At the position of another vertex, or in no triangle; dropped.
-  Index collapsed_triangles = 0;  ///< Degenerate: two corners coincide; dropped.
-  Index repeated_triangles = 0;   ///< Duplicates: same corners and orientation; dropped.
-  Index opposite_duplicates = 0;  ///< Same corners, opposite orientation: they enclose no volume.
-  Index flipped_triangles = 0;    ///< Flipped to agree with neighbors, or to face outward.
-  Index boundary_edges = 0;       ///< With one triangle.
-  Index non_manifold_edges = 0;   ///< With three or more triangles.
+  Index duplicate_vertices = 0;  ///< At the position of another vertex, or in no triangle; dropped.
+  Index degenerate_triangles = 0;  ///< Degenerate: two corners coincide; dropped.
+  Index duplicate_triangles = 0;   ///< Duplicates: same corners and orientation; dropped.
+  Index opposite_duplicates = 0;   ///< Same corners, opposite orientation: they enclose no volume.
+  Index flipped_triangles = 0;     ///< Flipped to agree with neighbors, or to face outward.
+  Index boundary_edges = 0;        ///< With one triangle.
+  Index non_manifold_edges = 0;    ///< With three or more triangles.
   /// Of two triangles that flipping cannot make consistent (Moebius strip).
   Index inconsistent_edges = 0;
 

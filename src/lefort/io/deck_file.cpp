@@ -6,7 +6,7 @@
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_law.h>
 #include <lefort/io/internal/validated_json.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
 

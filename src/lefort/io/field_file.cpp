@@ -165,10 +165,10 @@ Result<void> check_blocks_belong(const Header& header, const Blocks& blocks) {
 
 /// Pointers to the findings of a report in the order of the header.
 auto findings_of(auto& report) {
-  return std::array{&report.repeated_vertices,  &report.collapsed_triangles,
-                    &report.repeated_triangles, &report.opposite_duplicates,
-                    &report.flipped_triangles,  &report.boundary_edges,
-                    &report.non_manifold_edges, &report.inconsistent_edges};
+  return std::array{&report.duplicate_vertices,  &report.degenerate_triangles,
+                    &report.duplicate_triangles, &report.opposite_duplicates,
+                    &report.flipped_triangles,   &report.boundary_edges,
+                    &report.non_manifold_edges,  &report.inconsistent_edges};
 }
 
 void set_source(const field::FieldSource& source, Header& header) {

@@ -1,7 +1,7 @@
 #include <lefort/io/gmsh.h>
 #include <lefort/io/internal/gmsh_file.h>
 #include <lefort/io/internal/wedge_order.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 #include <lefort/mesh/match_faces_to_elements.h>
 
 #include <fmt/format.h>

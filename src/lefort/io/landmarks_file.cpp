@@ -2,6 +2,7 @@
 #include <lefort/io/internal/csv.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/markups_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/io/internal/validated_json.h>
 #include <lefort/io/markups_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 #include <lefort/io/owned_files.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include <lefort/io/internal/validated_json.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_schema.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
 

@@ -55,7 +55,7 @@ Result<fs::path> scan_of(const fs::path& plan_file, const PlanFile& plan,
   return ct;
 }
 
-std::vector<std::string> file_catalog(const std::string& text) {
+std::vector<std::string> files_of_plan(const std::string& text) {
   auto json = OrderedJson::parse(text);
   std::vector<std::string> names;
   visit_files(json, [&](const OrderedJson& name) { names.push_back(name.get<std::string>()); });
@@ -64,7 +64,7 @@ std::vector<std::string> file_catalog(const std::string& text) {
 
 Result<std::vector<InputFile>> fingerprints(const std::string& text, const fs::path& plan_file) {
   std::vector<InputFile> files;
-  for (const std::string& name : file_catalog(text)) {
+  for (const std::string& name : files_of_plan(text)) {
     LEFORT_TRY(std::string sha256, sha256_of_file(plan_file.parent_path() / name));
     files.push_back({name, std::move(sha256)});
   }

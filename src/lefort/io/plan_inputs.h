@@ -32,9 +32,9 @@ struct InputFile {
 /// Returns the files of a plan other than the scan, relative to the folder of the plan.
 ///
 /// \param text  of a valid plan.
-[[nodiscard]] std::vector<std::string> file_catalog(const std::string& text);
+[[nodiscard]] std::vector<std::string> files_of_plan(const std::string& text);
 
-/// Returns the files of file_catalog() with their hashes, which show whether an input of a result
+/// Returns the files of files_of_plan() with their hashes, which show whether an input of a result
 /// has changed.
 ///
 /// \param text       of a valid plan.

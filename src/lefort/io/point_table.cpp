@@ -1,5 +1,5 @@
 #include <lefort/io/point_table.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/io/preview_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #include <lefort/io/internal/vtk_cell_types.h>
 #include <lefort/io/internal/vtk_xml.h>
 #include <lefort/io/internal/wedge_order.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/read_vtu.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/mesh/element_faces.h>
 #include <lefort/mesh/match_faces_to_elements.h>
 

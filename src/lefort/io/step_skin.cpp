@@ -1,7 +1,7 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/step_skin.h>
 #include <lefort/io/surface_files.h>
-#include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/internal/surface_formats.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 

@@ -1,3 +1,4 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
 

@@ -1,6 +1,6 @@
 #include <lefort/io/internal/vtk_xml.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/vertex_array.h>
-#include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 

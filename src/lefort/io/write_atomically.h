@@ -4,10 +4,8 @@
 
 #include <lefort/core/error.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
 #include <string_view>
 
 namespace lefort::io {
@@ -35,13 +33,5 @@ inline constexpr const char* kPartialPrefix = ".partial-";
 /// \param text    its bytes.
 /// \returns as write_atomically().
 [[nodiscard]] Result<void> write_text(const std::filesystem::path& target, std::string_view text);
-
-/// Reads a whole file.
-///
-/// \param source     the file.
-/// \param max_bytes  limit of its size.
-/// \returns the bytes, kFileNotFound, or kFileCorrupt if the file is larger than `max_bytes`.
-[[nodiscard]] Result<std::string> read_text(const std::filesystem::path& source,
-                                            std::uintmax_t max_bytes);
 
 }  // namespace lefort::io

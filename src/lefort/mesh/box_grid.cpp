@@ -216,7 +216,8 @@ VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size
   return with_sets(std::move(mesh), size_mm);
 }
 
-VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& reach_mm, std::mt19937& random) {
+VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& max_displacement_mm,
+                                  std::mt19937& random) {
   std::vector<char> is_corner(mesh.nodes_L.size(), 0), is_boundary(mesh.nodes_L.size(), 0);
   for (const std::int32_t node : nodes_of_faces(boundary_faces(mesh)))
     is_boundary[std::size_t(node)] = 1;
@@ -229,7 +230,7 @@ VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& reach_mm, std::mt
   for (std::size_t n = 0; n < mesh.nodes_L.size(); ++n) {
     if (is_corner[n] == 0 || is_boundary[n] != 0) continue;
     const double x = number(), y = number(), z = number();
-    mesh.nodes_L[n] += reach_mm.cwiseProduct(Vec3(x, y, z));
+    mesh.nodes_L[n] += max_displacement_mm.cwiseProduct(Vec3(x, y, z));
   }
   for (const ElementBlock& block : mesh.blocks) {
     const int corners = corner_count(block.shape);

@@ -43,14 +43,14 @@ enum class BoxMix {
 /// \returns the mesh, one block per shape.
 [[nodiscard]] VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size_mm);
 
-/// Moves each interior corner node by up to `reach_mm` along each axis; mid-edge nodes move with
-/// their edges, so that edges stay straight.
+/// Moves each interior corner node by up to `max_displacement_mm` along each axis; mid-edge nodes
+/// move with their edges, so that edges stay straight.
 ///
-/// \param mesh      elements of any shape.
-/// \param reach_mm  largest displacement along each axis.
-/// \param random    the same state gives the same mesh.
+/// \param mesh                 elements of any shape.
+/// \param max_displacement_mm  largest displacement along each axis.
+/// \param random               the same state gives the same mesh.
 /// \returns the mesh with moved nodes.
-[[nodiscard]] VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& reach_mm,
+[[nodiscard]] VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& max_displacement_mm,
                                                 std::mt19937& random);
 
 }  // namespace lefort::mesh

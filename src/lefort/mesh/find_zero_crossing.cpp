@@ -5,7 +5,7 @@
 namespace lefort::mesh {
 
 std::optional<double> find_zero_crossing(const Vec3& p, const Vec3& direction,
-                                         const InsidePredicate& is_inside, double reach_mm,
+                                         const InsidePredicate& is_inside, double max_distance_mm,
                                          double tolerance_mm) {
   const bool start = is_inside(p);
   const double side = start ? 1.0 : -1.0;
@@ -13,11 +13,11 @@ std::optional<double> find_zero_crossing(const Vec3& p, const Vec3& direction,
     return is_inside(p + side * distance_mm * direction) == start;
   };
   double near_mm = 0.0;
-  double far_mm = std::min(tolerance_mm, reach_mm);
+  double far_mm = std::min(tolerance_mm, max_distance_mm);
   while (is_as_at_start(far_mm)) {
-    if (far_mm >= reach_mm) return std::nullopt;
+    if (far_mm >= max_distance_mm) return std::nullopt;
     near_mm = far_mm;
-    far_mm = std::min(2.0 * far_mm, reach_mm);
+    far_mm = std::min(2.0 * far_mm, max_distance_mm);
   }
   while (far_mm - near_mm > tolerance_mm) {
     const double middle_mm = 0.5 * (near_mm + far_mm);

@@ -18,14 +18,14 @@ using InsidePredicate = std::function<bool(const Vec3&)>;
 /// steps double until the value changes, then bisection follows. A layer that is thinner than its
 /// distance from p may be missed.
 ///
-/// \param p             start of the search [mm].
-/// \param direction     outward, unit length.
-/// \param is_inside     the tissue.
-/// \param reach_mm      largest |t|.
-/// \param tolerance_mm  accuracy of t, > 0.
-/// \returns t; nothing if is_inside does not change for |t| <= reach_mm.
+/// \param p                start of the search [mm].
+/// \param direction        outward, unit length.
+/// \param is_inside        the tissue.
+/// \param max_distance_mm  largest |t|.
+/// \param tolerance_mm     accuracy of t, > 0.
+/// \returns t; nothing if is_inside does not change for |t| <= max_distance_mm.
 [[nodiscard]] std::optional<double> find_zero_crossing(const Vec3& p, const Vec3& direction,
                                                        const InsidePredicate& is_inside,
-                                                       double reach_mm, double tolerance_mm);
+                                                       double max_distance_mm, double tolerance_mm);
 
 }  // namespace lefort::mesh

@@ -47,9 +47,9 @@ struct Stopped {};
 /// Whether a point is inside; checks regularly whether the user requests a stop.
 class Inside {
  public:
-  Inside(const std::function<double(const Vec3&)>& level_L, const Box3& box_L,
+  Inside(const std::function<double(const Vec3&)>& level_set_L, const Box3& box_L,
          const Progress& progress)
-      : level_L_(&level_L), box_L_(box_L), progress_(&progress) {}
+      : level_L_(&level_set_L), box_L_(box_L), progress_(&progress) {}
 
   bool operator()(const Vec3& p_L) const {
     constexpr std::uint32_t kCallsPerCheck = 1024;
@@ -277,12 +277,12 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
 
 }  // namespace
 
-Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level_L,
+Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level_set_L,
                                  const Box3& box_L, const TetOptions& options, Progress& progress) {
   LEFORT_TRY_VOID(check(box_L, options));
   const internal::QuietCgal quiet;
   try {
-    LEFORT_TRY(VolumeMesh mesh, fill({level_L, box_L, progress}, box_L, options, progress));
+    LEFORT_TRY(VolumeMesh mesh, fill({level_set_L, box_L, progress}, box_L, options, progress));
     if (const MeshQuality quality = measure_quality(mesh); !quality.inverted.empty())
       return fail(ErrorCode::kMeshingFailed,
                   fmt::format("{} of {} elements are inverted or have no volume",

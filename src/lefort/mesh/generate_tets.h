@@ -25,17 +25,17 @@ struct TetOptions {
   double level_tolerance_mm = 0.01;  ///< Largest distance of boundary nodes from the surface, > 0.
 };
 
-/// Meshes {p : level_L(p) > 0} within a box: Delaunay refinement, sliver perturbation and exudation
-/// \cite cgal:rty-m3, then optimization of node positions (mesh/improve_tets.h). A few elements may
-/// stay below the sliver angle.
+/// Meshes {p : level_set_L(p) > 0} within a box: Delaunay refinement, sliver perturbation and
+/// exudation \cite cgal:rty-m3, then optimization of node positions (mesh/improve_tets.h). A few
+/// elements may stay below the sliver angle.
 ///
-/// \param level_L   level-set function of a point in L [mm]: positive inside, negative outside,
+/// \param level_set_L  level-set function of a point in L [mm]: positive inside, negative outside,
 ///   continuous; called from one thread, must return the same value for the same point. NaN counts
 ///   as outside.
-/// \param box_L     the region to be meshed [mm]; where the level is positive on its sides, the
+/// \param box_L        the region to be meshed [mm]; where the level is positive on its sides, the
 ///   mesh ends there.
-/// \param options   size and quality.
-/// \param progress  receives the fraction done and notes; may request a stop.
+/// \param options      size and quality.
+/// \param progress     receives the fraction done and notes; may request a stop.
 /// \returns one block of tetrahedra (region 0) with positive volumes: the largest part that is
 ///   connected through faces, also around each edge and node (mesh/largest_face_connected_part.h).
 ///   Every node is used. Boundary nodes lie within options.level_tolerance_mm of the surface,
@@ -46,8 +46,8 @@ struct TetOptions {
 ///                       part through faces (less is omitted, and reported as a note);
 ///   - kCancelled        `progress` requested a stop.
 /// \note The same input gives the same bits on one machine.
-[[nodiscard]] Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level_L,
-                                               const Box3& box_L, const TetOptions& options = {},
-                                               Progress& progress = Progress::none());
+[[nodiscard]] Result<VolumeMesh> generate_tets(
+    const std::function<double(const Vec3&)>& level_set_L, const Box3& box_L,
+    const TetOptions& options = {}, Progress& progress = Progress::none());
 
 }  // namespace lefort::mesh

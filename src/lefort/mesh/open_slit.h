@@ -14,7 +14,7 @@ namespace lefort::mesh {
 /// A smooth surface with a border.
 struct SlitSurface {
   /// Signed distance to the surface [mm], exact to first order at zero; positive on its first side.
-  std::function<double(const Vec3&)> level_L;
+  std::function<double(const Vec3&)> level_set_L;
   /// Positive inside the border [mm]. Only there elements are separated.
   std::function<double(const Vec3&)> extent_L;
 };

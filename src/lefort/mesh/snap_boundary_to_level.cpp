@@ -59,10 +59,10 @@ bool move_node(VolumeMesh& mesh, std::size_t node, const Vec3& shift,
 
 }  // namespace
 
-Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_L, double reach_mm,
-                             double tolerance_mm) {
+Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_L,
+                             double max_distance_mm, double tolerance_mm) {
   LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
-  LEFORT_CHECK(tolerance_mm > 0.0 && reach_mm >= tolerance_mm);
+  LEFORT_CHECK(tolerance_mm > 0.0 && max_distance_mm >= tolerance_mm);
   const std::vector<Face> faces = boundary_faces(mesh);
   const std::vector<Vec3> normals = node_normals(mesh, triangles_of(faces));
   const std::vector<std::vector<Index>> elements = elements_of_nodes(mesh);
@@ -73,7 +73,7 @@ Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_
     if (length == 0.0) continue;
     const Vec3 normal = normals[node] / length;
     const auto change_mm =
-        find_zero_crossing(mesh.nodes_L[node], normal, is_inside_L, reach_mm, tolerance_mm);
+        find_zero_crossing(mesh.nodes_L[node], normal, is_inside_L, max_distance_mm, tolerance_mm);
     if (!change_mm || std::abs(*change_mm) <= tolerance_mm) continue;
     if (!move_node(mesh, node, *change_mm * normal, elements[node])) ++incomplete;
   }

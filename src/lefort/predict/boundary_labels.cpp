@@ -3,12 +3,12 @@
 
 namespace lefort::predict {
 
-double paint_reach_mm(const image::Grid& grid) { return 0.5 * grid.spacing_mm.norm(); }
+double max_paint_distance_mm(const image::Grid& grid) { return 0.5 * grid.spacing_mm.norm(); }
 
 BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L) {
   constexpr double kRoundOff = 1.0 + 1e-9;  // Includes the corners of the voxel.
   const image::Grid& grid = painted.grid;
-  double nearest_mm = kRoundOff * paint_reach_mm(grid);
+  double nearest_mm = kRoundOff * max_paint_distance_mm(grid);
   BoundaryLabel label = BoundaryLabel::kNone;
   image::visit_voxels_near(grid, p_L, nearest_mm, [&](Index i, Index j, Index k) {
     const BoundaryLabel here = painted.at(i, j, k);

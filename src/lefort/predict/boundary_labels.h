@@ -44,10 +44,11 @@ using BoundaryLabelMap = image::Volume<BoundaryLabel>;
 
 /// Largest distance from a painted voxel's center at which it applies: half the diagonal of a voxel
 /// [mm].
-[[nodiscard]] double paint_reach_mm(const image::Grid& grid);
+[[nodiscard]] double max_paint_distance_mm(const image::Grid& grid);
 
 /// \returns the label of the painted voxel whose center is closest to `p_L`, within
-///   paint_reach_mm(); kNone if there is none. Of equally close voxels, the first of the map.
+///   max_paint_distance_mm(); kNone if there is none. Of equally close voxels, the first of the
+///   map.
 [[nodiscard]] BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L);
 
 }  // namespace lefort::predict

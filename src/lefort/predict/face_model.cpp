@@ -11,7 +11,7 @@ std::vector<std::vector<std::int32_t>> nodes_by_segment(const FaceModel& model,
                                                         const std::vector<std::int32_t>& nodes) {
   LEFORT_CHECK(!model.segments.empty());
   std::vector<geometry::Bvh> surfaces_B;
-  for (const MovedSegment& segment : model.segments) surfaces_B.emplace_back(segment.surface_B);
+  for (const ContactBone& segment : model.segments) surfaces_B.emplace_back(segment.surface_B);
   std::vector<std::size_t> closest(nodes.size(), 0);
   parallel_for(std::ssize(nodes), [&](Index n) {
     const Vec3& p_L = model.tissue.nodes_L[std::size_t(nodes[std::size_t(n)])];

@@ -15,17 +15,18 @@
 
 namespace lefort::predict {
 
-/// A segment at its position in the scan, with its distance field.
-struct MovedSegment {
+/// A bone that tissue can touch, at its position in the scan: a mobilized segment, or the
+/// stationary bone. B is the frame of the bone; for stationary bone it is L.
+struct ContactBone {
   geometry::TriangleMesh surface_B;
   std::shared_ptr<const field::DistanceField> field_B;
 };
 
 struct FaceModel {
   mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
-  std::vector<MovedSegment> segments;  ///< One or more, in the order of the plan.
+  std::vector<ContactBone> segments;  ///< One or more, in the order of the plan.
   /// Needed if tissue slides on it, or if there is a set sets::kStationaryContact.
-  std::optional<MovedSegment> stationary_bone = std::nullopt;
+  std::optional<ContactBone> stationary_bone = std::nullopt;
   /// Conditions of the tissue boundary. Empty: those of the sets alone.
   InterfaceMap interface = {};
   LipSlit lips = {};

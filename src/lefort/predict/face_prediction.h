@@ -64,7 +64,7 @@ struct FacePrediction {
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
   /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is bonded
   /// or the end of the path was not reached.
-  std::vector<std::vector<contact::NodalContact>> touched;
+  std::vector<std::vector<contact::NodalContact>> nodal_contacts;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }
 };

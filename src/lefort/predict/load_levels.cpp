@@ -8,7 +8,7 @@ namespace {
 
 /// Largest displacement of a vertex per path fraction, over all segments and keyframe intervals.
 double max_speed_mm(const std::vector<geometry::RigidPath>& paths,
-                    const std::vector<MovedSegment>& segments) {
+                    const std::vector<ContactBone>& segments) {
   double fastest_mm = 0.0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     double from = 0.0;
@@ -43,7 +43,7 @@ std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths
 }
 
 int increments_of_step(const TissueOptions& tissue, const std::vector<geometry::RigidPath>& paths,
-                       const std::vector<MovedSegment>& segments, double max_distance_mm) {
+                       const std::vector<ContactBone>& segments, double max_distance_mm) {
   constexpr double kDistanceFraction = 0.5;  // docs/theory/contact.md
   constexpr double kRoundOff = 1e-9;         // Of the number of increments.
   const double max_mm = std::min(kIncrementElementFraction * tissue.element_size_mm,

@@ -37,7 +37,7 @@ inline constexpr double kIncrementElementFraction = 0.25;
 /// \param max_distance_mm  of the segments' distance queries, the smallest; > 0.
 [[nodiscard]] int increments_of_step(const TissueOptions& tissue,
                                      const std::vector<geometry::RigidPath>& paths,
-                                     const std::vector<MovedSegment>& segments,
+                                     const std::vector<ContactBone>& segments,
                                      double max_distance_mm);
 
 }  // namespace lefort::predict

@@ -160,7 +160,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
   for (const geometry::RigidPath& path : paths) LEFORT_TRY_VOID(geometry::check_path(path));
   LEFORT_TRY(const DistanceQueries distance_queries_B,
              segment_distance_queries(model.segments, options.contact.detection));
-  LEFORT_TRY_VOID(check_reach(paths, model.segments, distance_queries_B, options.boundary));
+  LEFORT_TRY_VOID(check_query_range(paths, model.segments, distance_queries_B, options.boundary));
   std::unique_ptr<FacePath> path(new FacePath(model, paths, options, watch, progress));
   path->bonded_ =
       nodes_by_segment(model, nodes_with_segment(model.tissue, options.boundary.interface));
@@ -440,10 +440,10 @@ Result<FacePrediction> FacePath::stop_after(const Error& error) {
 FacePrediction FacePath::finish() {
   prediction_.steps = std::move(restart_.steps);
   for (std::size_t k = 0; k < segment_contact_count_; ++k)
-    prediction_.touched.push_back(
+    prediction_.nodal_contacts.push_back(
         contacts_[k].at_nodes(contact::displaced(model_.tissue.nodes_L, stepper_->state().u)));
   if (weighted_.on_segments)
-    prediction_.touched = weighted_.on_segments->at_nodes_by_bone(
+    prediction_.nodal_contacts = weighted_.on_segments->at_nodes_by_bone(
         contact::displaced(model_.tissue.nodes_L, stepper_->state().u));
   return std::move(prediction_);
 }

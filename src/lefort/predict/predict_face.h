@@ -9,7 +9,7 @@
 #include <lefort/fem/solve/load_steps.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
-#include <lefort/predict/check_reach.h>
+#include <lefort/predict/check_query_range.h>
 #include <lefort/predict/face_model.h>
 #include <lefort/predict/face_prediction.h>
 #include <lefort/predict/prediction_options.h>
@@ -65,7 +65,7 @@ struct PredictionWatch {
 ///   have the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
 ///   - kPlanInvalid      a path cannot be followed (geometry::check_path);
-///   - what check_reach() and check_stationary_bone() return;
+///   - what check_query_range() and check_stationary_bone() return;
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue mesh is too fine for the memory of this machine;

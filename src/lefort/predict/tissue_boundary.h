@@ -19,11 +19,11 @@ namespace lefort::predict {
 
 /// Names of the node sets and face sets that find_tissue_boundary() makes.
 namespace sets {
-inline constexpr const char* kMobilizedSegment = "moved_bone";  ///< On the segment.
-inline constexpr const char* kStationaryBone = "still_bone";    ///< On stationary bone.
-inline constexpr const char* kCut = "cut";                      ///< Where the region was cut out.
-inline constexpr const char* kScanBoundary = "scan_edge";       ///< Where the scan ends.
-inline constexpr const char* kBrain = "brain";                  ///< At the cranial cavity.
+inline constexpr const char* kMobilizedSegment = "mobilized_segment";  ///< On the segment.
+inline constexpr const char* kStationaryBone = "stationary_bone";      ///< On stationary bone.
+inline constexpr const char* kCut = "cut";                 ///< Where the region was cut out.
+inline constexpr const char* kScanBoundary = "scan_edge";  ///< Where the scan ends.
+inline constexpr const char* kBrain = "brain";             ///< At the cranial cavity.
 inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
 inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.

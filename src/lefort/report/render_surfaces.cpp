@@ -110,7 +110,7 @@ Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, P
     LEFORT_TRY_VOID(check_layer(layers[n], n));
     for (const Vec3& vertex_L : layers[n].mesh_L->vertices) prepared->box_L.extend(vertex_L);
   }
-  const double reach_mm =
+  const double max_distance_mm =
       prepared->box_L.isEmpty() ? 0.0 : kAmbientDistance * prepared->box_L.diagonal().norm();
   for (std::size_t n = 0; n < layers.size(); ++n) {
     const geometry::TriangleMesh& mesh_L = *layers[n].mesh_L;
@@ -124,7 +124,7 @@ Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, P
                                                                : RayScene::build(obstacle_meshes));
     std::vector<Vec3> normals_L = vertex_normals(mesh_L);
     LEFORT_TRY(std::vector<float> sky,
-               ambient_occlusion(mesh_L, normals_L, obstacles, reach_mm, progress));
+               ambient_occlusion(mesh_L, normals_L, obstacles, max_distance_mm, progress));
     prepared->layers.push_back({mesh_L, layers[n], std::move(normals_L), std::move(sky),
                                 std::move(surface), std::move(obstacles)});
   }

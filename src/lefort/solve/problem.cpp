@@ -60,17 +60,17 @@ Increment Problem::describe(const fem::LoadState& state) const {
           forces->residual_n[3 * Index(prescribed.node) + prescribed.component];
   increment.loads_n = loads_.totals_n(x_L);
   increment.contacts.resize(obstacles_.size());
-  increment.touched.resize(obstacles_.size());
+  increment.nodal_contacts.resize(obstacles_.size());
   for (std::size_t n = 0; n < contacts_.size(); ++n) {
     increment.contacts[contact_obstacles_[n]] = contacts_[n].summarize(x_L);
-    increment.touched[contact_obstacles_[n]] = contacts_[n].at_nodes(x_L);
+    increment.nodal_contacts[contact_obstacles_[n]] = contacts_[n].at_nodes(x_L);
   }
   for (const WeightedContact& contact : weighted_) {
     const auto sums = contact.term.summarize(x_L);
     const auto nodes = contact.term.at_nodes_by_bone(x_L);
     for (std::size_t n = 0; n < contact.obstacles.size(); ++n) {
       increment.contacts[contact.obstacles[n]] = sums[n];
-      increment.touched[contact.obstacles[n]] = nodes[n];
+      increment.nodal_contacts[contact.obstacles[n]] = nodes[n];
     }
   }
   for (const ProbePlace& probe : prepared_.probes)

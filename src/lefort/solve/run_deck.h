@@ -36,10 +36,10 @@ struct Increment {
   std::vector<Vec3> reactions_n;
   /// Force of each load on the body [N]: Deck::tractions, pressures, body_forces.
   std::vector<Vec3> loads_n;
-  std::vector<contact::ContactStatistics> contacts;         ///< As Deck::obstacles.
-  std::vector<std::vector<contact::NodalContact>> touched;  ///< As Deck::obstacles.
-  std::vector<Vec3> probes_mm;                              ///< As Deck::probes.
-  std::vector<fem::LoadAttempt> attempts;                   ///< Since the previous increment.
+  std::vector<contact::ContactStatistics> contacts;                ///< As Deck::obstacles.
+  std::vector<std::vector<contact::NodalContact>> nodal_contacts;  ///< As Deck::obstacles.
+  std::vector<Vec3> probes_mm;                                     ///< As Deck::probes.
+  std::vector<fem::LoadAttempt> attempts;  ///< Since the previous increment.
 
   /// Of all attempts.
   [[nodiscard]] Index newton_iterations() const;

@@ -106,7 +106,7 @@ geometry::TriangleMesh cap() {
 struct Indented {
   double force_n = 0.0;    ///< On the whole sphere.
   double radius_mm = 0.0;  ///< Of contact.
-  std::vector<contact::TouchedPoint> points = {};
+  std::vector<contact::ContactPoint> points = {};
 };
 
 Result<Indented> indent(mesh::ElementShape shape, int cells,
@@ -146,9 +146,9 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
              solve(model, {.increments = 2, .relative_tolerance = 1e-7}, progress));
 
   Indented result{.points =
-                      contact.touched_points(contact::displaced(model.mesh.nodes_L, found.u))};
+                      contact.contact_points(contact::displaced(model.mesh.nodes_L, found.u))};
   double moment = 0.0;
-  for (const contact::TouchedPoint& point : result.points) {
+  for (const contact::ContactPoint& point : result.points) {
     result.force_n -= 4.0 * point.force_n.z();
     moment -= 4.0 * point.force_n.z() * point.x_L.head<2>().squaredNorm();
   }
@@ -160,10 +160,10 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
 /// Mean pressure in rings around the axis; within a face, which is flatter than the sphere, the
 /// pressure alternates from point to point.
 report::PlotLine pressures(const std::string& name,
-                           const std::vector<contact::TouchedPoint>& points) {
+                           const std::vector<contact::ContactPoint>& points) {
   std::array<double, 7> force_n{};  // On a quarter of each ring; the last lies outside.
   const double width_mm = contact_radius_mm() / 6.0;
-  for (const contact::TouchedPoint& point : points) {
+  for (const contact::ContactPoint& point : points) {
     const auto n = std::size_t(point.x_L.head<2>().norm() / width_mm);
     if (n < force_n.size()) force_n[n] += point.force_n.norm();
   }

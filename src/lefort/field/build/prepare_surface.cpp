@@ -88,7 +88,7 @@ void find_repeated(PreparedSurface& surface, const std::vector<IrregularEdge>& o
     for (const std::int32_t t : twins) is_opposite_duplicate[std::size_t(t)] = true;
     surface.report.opposite_duplicates += 2;
   }
-  surface.report.repeated_triangles = Index(repeated.size());
+  surface.report.duplicate_triangles = Index(repeated.size());
   std::size_t kept = 0, next = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (next < repeated.size() && repeated[next] == std::int32_t(t)) {
@@ -357,9 +357,9 @@ std::vector<std::string> describe(const MeshRepairReport& report) {
     if (count > 0)
       sentences.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, what));
   };
-  describe_repair(report.collapsed_triangles, "triangle", "triangles",
+  describe_repair(report.degenerate_triangles, "triangle", "triangles",
                   "with coincident corners dropped");
-  describe_repair(report.repeated_triangles, "triangle", "triangles", "dropped as redundant");
+  describe_repair(report.duplicate_triangles, "triangle", "triangles", "dropped as redundant");
   describe_repair(report.opposite_duplicates, "triangle", "triangles",
                   "with an opposite duplicate: they enclose no volume");
   describe_repair(report.flipped_triangles, "triangle", "triangles", "flipped to face outward");
@@ -380,14 +380,14 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
   if (mesh.triangles.empty())
     return fail(ErrorCode::kMeshInvalid,
                 "all triangles of the surface are points or lines, one must have three corners");
-  surface.report.repeated_vertices = surface_B.vertex_count() - mesh.vertex_count();
-  surface.report.collapsed_triangles = surface_B.triangle_count() - mesh.triangle_count();
+  surface.report.duplicate_vertices = surface_B.vertex_count() - mesh.vertex_count();
+  surface.report.degenerate_triangles = surface_B.triangle_count() - mesh.triangle_count();
 
   EdgeIncidence sides(mesh);
   std::vector<IrregularEdge> odd = irregular_edges(mesh, sides);
   if (!odd.empty()) {
     find_repeated(surface, odd);
-    if (surface.report.repeated_triangles > 0) sides = EdgeIncidence(mesh);
+    if (surface.report.duplicate_triangles > 0) sides = EdgeIncidence(mesh);
     surface.report.inconsistent_edges = orient_consistently(surface, sides);
     sides = EdgeIncidence(mesh);
     odd = irregular_edges(mesh, sides);

@@ -1,7 +1,7 @@
 #include <lefort/io/internal/dicom_codec.h>
 #include <lefort/io/internal/dicom_file.h>
 #include <lefort/io/internal/dicom_header.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
 

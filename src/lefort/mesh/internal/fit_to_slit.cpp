@@ -42,7 +42,7 @@ class SlitFit {
       for (const std::int32_t node : nodes_) move(std::size_t(node));
     double sum = 0.0;
     for (const std::int32_t node : nodes_) {
-      const double mm = surface_.level_L(mesh_.nodes_L[std::size_t(node)]);
+      const double mm = surface_.level_set_L(mesh_.nodes_L[std::size_t(node)]);
       sum += mm * mm;
     }
     return nodes_.empty() ? 0.0 : std::sqrt(sum / double(nodes_.size()));
@@ -77,7 +77,7 @@ class SlitFit {
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 d = kDifference_mm * Vec3::Unit(axis);
       gradient[axis] =
-          (surface_.level_L(p_L + d) - surface_.level_L(p_L - d)) / (2.0 * kDifference_mm);
+          (surface_.level_set_L(p_L + d) - surface_.level_set_L(p_L - d)) / (2.0 * kDifference_mm);
     }
     return gradient;
   }
@@ -107,13 +107,13 @@ class SlitFit {
   void move(std::size_t node) {
     if (!is_movable(node)) return;
     const Vec3 p_L = mesh_.nodes_L[node];
-    if (std::abs(surface_.level_L(p_L)) < kTolerance_mm) return;
+    if (std::abs(surface_.level_set_L(p_L)) < kTolerance_mm) return;
     Vec3 direction = gradient_at(p_L);
     const auto& normal = normal_L_[node];
     if (normal) direction -= normal->dot(direction) * *normal;
     const double squared = direction.squaredNorm();
     if (squared < 0.1) return;  // The boundary is nearly parallel to the slit.
-    const Vec3 step = -surface_.level_L(p_L) / squared * direction;
+    const Vec3 step = -surface_.level_set_L(p_L) / squared * direction;
     const double floor = std::min(kMinJacobian, quality(node, p_L));
     for (const double fraction : {1.0, 0.5, 0.25}) {
       Vec3 moved_L = p_L + fraction * step;

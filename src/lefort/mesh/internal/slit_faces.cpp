@@ -104,7 +104,7 @@ std::vector<char> cut_faces(const VolumeMesh& mesh, const SlitSurface& surface,
   std::vector<char> side;
   for (const auto& [shape, nodes] : elements_of(mesh))
     side.push_back(
-        char(surface.level_L(center_of(mesh, {nodes, std::size_t(node_count(shape))})) >= 0.0));
+        char(surface.level_set_L(center_of(mesh, {nodes, std::size_t(node_count(shape))})) >= 0.0));
   even_out(side, faces);
   for (InnerFace& face : faces)
     face.is_cut = face.is_within && side[std::size_t(face.first)] != side[std::size_t(face.second)];

@@ -1,3 +1,4 @@
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cache/file_digest.h>

@@ -1,4 +1,5 @@
 #include <lefort/core/version.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cache/restart_file.h>
@@ -264,7 +265,7 @@ std::string restart_key(const PreparedCase& prepared) {
   hash.add(kVersion).add(kStepsRevision);
   add(hash, prepared.model.tissue);
   hash.add(double(plan.segments.size()));
-  for (const predict::MovedSegment& segment : prepared.model.segments)
+  for (const predict::ContactBone& segment : prepared.model.segments)
     hash.add(field_key(segment.surface_B, contact_field_options(plan, segment.surface_B)));
   if (const auto& bone = prepared.model.stationary_bone)
     hash.add(field_key(bone->surface_B, contact_field_options(plan, bone->surface_B)));

@@ -3,8 +3,8 @@
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/predicted_poses.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/compare/register_after_surgery.h>
 #include <lefort/pipeline/predict/write_prediction.h>
 #include <lefort/pipeline/prepare/load_head.h>

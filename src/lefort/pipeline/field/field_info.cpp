@@ -44,9 +44,9 @@ std::vector<Part> memory_of(const DistanceField& distance) {
 }
 
 std::vector<std::pair<const char*, Index>> findings_of(const field::MeshRepairReport& report) {
-  return {{"repeated_vertices", report.repeated_vertices},
-          {"collapsed_triangles", report.collapsed_triangles},
-          {"repeated_triangles", report.repeated_triangles},
+  return {{"duplicate_vertices", report.duplicate_vertices},
+          {"degenerate_triangles", report.degenerate_triangles},
+          {"duplicate_triangles", report.duplicate_triangles},
           {"opposite_duplicates", report.opposite_duplicates},
           {"flipped_triangles", report.flipped_triangles},
           {"boundary_edges", report.boundary_edges},

@@ -95,7 +95,7 @@ Json boundary_json(const PreparedCase& prepared) {
                        {"painted_over", rule.areas.painted_mm2}}}});
   Json painted = nullptr;
   if (prepared.plan.boundary_labels) {
-    painted = {{"within_mm", predict::paint_reach_mm(prepared.scan_grid)},
+    painted = {{"within_mm", predict::max_paint_distance_mm(prepared.scan_grid)},
                {"area_mm2", Json::object()}};
     for (const predict::BoundaryLabelStatistics& decision :
          predict::boundary_label_statistics(tissue)) {

@@ -11,7 +11,7 @@ Json as_json(const fem::LoadAttempt& attempt) {
   for (const fem::NewtonIterate& iterate : attempt.history)
     iterations.push_back(
         {{"residual_n", iterate.residual_n},
-         {"force_scale_n", iterate.residual_reference_n},
+         {"residual_reference_n", iterate.residual_reference_n},
          {"relative_residual", iterate.residual_reference_n > 0.0
                                    ? iterate.residual_n / iterate.residual_reference_n
                                    : 0.0},

@@ -62,7 +62,7 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   std::vector<fs::path> inputs{job.plan};
   if (job.skull) inputs.push_back(*job.skull);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
-  for (const std::string& name : io::file_catalog(text.json))
+  for (const std::string& name : io::files_of_plan(text.json))
     inputs.push_back(job.plan.parent_path() / name);
   LEFORT_TRY_VOID(io::check_inputs_are_distinct(inputs, earlier));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));

@@ -73,29 +73,30 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
                                                            const StageCache& cache,
                                                            Progress& progress) {
   InterfaceSensitivity sensitivity{.element_size_mm = coarse(prepared.plan.tissue).element_size_mm};
-  Result<std::vector<Vec3>> held_mm = solve(prepared, sensitivity.held, cache, progress);
+  Result<std::vector<Vec3>> attached_mm = solve(prepared, sensitivity.attached, cache, progress);
   const auto may_help = [](ErrorCode code) {
     return code != ErrorCode::kCancelled && code != ErrorCode::kOutOfMemory;
   };
-  if (!held_mm && may_help(held_mm.error().code)) {
-    sensitivity.held = predict::TissueInterface::kClinical;
-    held_mm = solve(prepared, sensitivity.held, cache, progress);
+  if (!attached_mm && may_help(attached_mm.error().code)) {
+    sensitivity.attached = predict::TissueInterface::kClinical;
+    attached_mm = solve(prepared, sensitivity.attached, cache, progress);
   }
   Result<std::vector<Vec3>> pushed_mm =
-      held_mm ? solve(prepared, predict::TissueInterface::kContact, cache, progress) : held_mm;
+      attached_mm ? solve(prepared, predict::TissueInterface::kContact, cache, progress)
+                  : attached_mm;
   if (!pushed_mm) {
     if (pushed_mm.error().code == ErrorCode::kCancelled) return tl::unexpected(pushed_mm.error());
-    sensitivity.failure =
-        fmt::format("{} interface: {}",
-                    name_of(held_mm ? predict::TissueInterface::kContact : sensitivity.held),
-                    pushed_mm.error().message);
+    sensitivity.failure = fmt::format(
+        "{} interface: {}",
+        name_of(attached_mm ? predict::TissueInterface::kContact : sensitivity.attached),
+        pushed_mm.error().message);
     return sensitivity;
   }
   std::vector<double> distances_mm;
-  for (std::size_t v = 0; v < held_mm->size(); ++v)
-    if (std::max((*held_mm)[v].norm(), (*pushed_mm)[v].norm()) > kMoved_mm)
-      distances_mm.push_back(((*held_mm)[v] - (*pushed_mm)[v]).norm());
-  sensitivity.held_mm = *std::move(held_mm);
+  for (std::size_t v = 0; v < attached_mm->size(); ++v)
+    if (std::max((*attached_mm)[v].norm(), (*pushed_mm)[v].norm()) > kMoved_mm)
+      distances_mm.push_back(((*attached_mm)[v] - (*pushed_mm)[v]).norm());
+  sensitivity.attached_mm = *std::move(attached_mm);
   sensitivity.contact_mm = *std::move(pushed_mm);
   if (distances_mm.empty()) return sensitivity;
   std::sort(distances_mm.begin(), distances_mm.end());
@@ -108,7 +109,7 @@ Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& p
 
 nlohmann::ordered_json as_json(const InterfaceSensitivity& sensitivity) {
   using Json = nlohmann::ordered_json;
-  Json json{{"interfaces", {name_of(sensitivity.held), "contact"}},
+  Json json{{"interfaces", {name_of(sensitivity.attached), "contact"}},
             {"element_size_mm", sensitivity.element_size_mm}};
   json["difference_mm"] = sensitivity.failure ? Json(nullptr)
                                               : Json{{"p50", sensitivity.p50_mm},
@@ -124,7 +125,7 @@ report::ReportTable as_table(const InterfaceSensitivity& sensitivity) {
           {"quantity", "value"},
           {{fmt::format("{} versus contact interface, elements of {:g} mm: distance of the two "
                         "faces where the skin moves",
-                        name_of(sensitivity.held), sensitivity.element_size_mm),
+                        name_of(sensitivity.attached), sensitivity.element_size_mm),
             in_words(sensitivity)}}};
 }
 

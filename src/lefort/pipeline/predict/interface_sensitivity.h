@@ -21,13 +21,13 @@ namespace lefort::pipeline {
 /// either of them. If the solve with `bonded` fails, as where elements between two bonded bones
 /// invert, the interface `clinical` replaces `bonded`.
 struct InterfaceSensitivity {
-  double element_size_mm = 0.0;                                       ///< Of the coarse mesh.
-  predict::TissueInterface held = predict::TissueInterface::kBonded;  ///< Or kClinical.
-  double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;      ///< Of the distance.
+  double element_size_mm = 0.0;                                           ///< Of the coarse mesh.
+  predict::TissueInterface attached = predict::TissueInterface::kBonded;  ///< Or kClinical.
+  double p50_mm = 0.0, p90_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;          ///< Of the distance.
   std::optional<std::string> failure = std::nullopt;  ///< Why there are no distances.
-  /// Displacement of each vertex of the skin with the interface `held`, and with `contact` [mm];
-  /// empty with `failure`.
-  std::vector<Vec3> held_mm{}, contact_mm{};
+  /// Displacement of each vertex of the skin with the interface `attached`, and with `contact`
+  /// [mm]; empty with `failure`.
+  std::vector<Vec3> attached_mm{}, contact_mm{};
 };
 
 /// \param prepared  the case; its own interface is not used.

@@ -238,13 +238,13 @@ std::vector<ExplainedRatio> explain_ratios(const PreparedCase& prepared,
                                            const predict::PredictionStep& last,
                                            std::span<const Vec3> skin_mm,
                                            const std::optional<InterfaceSensitivity>& sensitivity) {
-  std::vector<compare::SoftTissueRatio> held, contact;
+  std::vector<compare::SoftTissueRatio> attached, contact;
   if (sensitivity && !sensitivity->failure) {
-    held = measure_ratios(prepared, last, sensitivity->held_mm);
+    attached = measure_ratios(prepared, last, sensitivity->attached_mm);
     contact = measure_ratios(prepared, last, sensitivity->contact_mm);
   }
   std::vector<ExplainedRatio> explained =
-      with_interfaces(measure_ratios(prepared, last, skin_mm), held, contact);
+      with_interfaces(measure_ratios(prepared, last, skin_mm), attached, contact);
   std::vector<Vec3> scan_boundary_L;
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   for (const std::int32_t node : tissue.node_sets.at(predict::sets::kScanBoundary))
@@ -264,7 +264,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   if (job.sensitivity) {
     LEFORT_TRY(sensitivity, measure_interface_sensitivity(prepared, cache, progress));
     progress.note(fmt::format("{} versus contact interface, coarse mesh: {}",
-                              name_of(sensitivity->held), in_words(*sensitivity)));
+                              name_of(sensitivity->attached), in_words(*sensitivity)));
   }
   const std::vector<ExplainedRatio> ratios = explain_ratios(prepared, last, skin_mm, sensitivity);
   std::vector<PredictionPicture> pictures;

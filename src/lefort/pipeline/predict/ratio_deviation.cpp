@@ -28,11 +28,11 @@ bool overlaps(const compare::PublishedRange& range, double low, double high) {
 std::string interface_reason(const ExplainedRatio& explained) {
   const RatioByInterface& by = *explained.by_interface;
   const double ratio = explained.ratio.ratio();
-  const double low = std::min({by.held, by.contact, ratio});
-  const double high = std::max({by.held, by.contact, ratio});
+  const double low = std::min({by.attached, by.contact, ratio});
+  const double high = std::max({by.attached, by.contact, ratio});
   const std::string extent =
-      fmt::format("on the coarse mesh it is {:.2f} by contact and {:.2f} with held tissue",
-                  by.contact, by.held);
+      fmt::format("on the coarse mesh it is {:.2f} by contact and {:.2f} with attached tissue",
+                  by.contact, by.attached);
   return overlaps(*explained.ratio.published, low, high)
              ? fmt::format("Interface of tissue and bone: {}, so that the interface explains it.",
                            extent)
@@ -52,13 +52,13 @@ std::string missing_anatomy(const std::string& soft) {
 }  // namespace
 
 std::vector<ExplainedRatio> with_interfaces(std::span<const SoftTissueRatio> ratios,
-                                            std::span<const SoftTissueRatio> held,
+                                            std::span<const SoftTissueRatio> attached,
                                             std::span<const SoftTissueRatio> contact) {
   std::vector<ExplainedRatio> explained;
   for (const SoftTissueRatio& ratio : ratios) {
     explained.push_back({ratio});
-    const SoftTissueRatio *const one = find_same(held, ratio), *const other =
-                                                                   find_same(contact, ratio);
+    const SoftTissueRatio *const one = find_same(attached, ratio), *const other =
+                                                                       find_same(contact, ratio);
     if (one != nullptr && other != nullptr)
       explained.back().by_interface = RatioByInterface{one->ratio(), other->ratio()};
   }

@@ -13,8 +13,8 @@ namespace lefort::pipeline {
 
 /// The same ratio with two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
 struct RatioByInterface {
-  double held = 0.0;     ///< With `bonded`; if that fails, with `clinical`.
-  double contact = 0.0;  ///< With `contact`.
+  double attached = 0.0;  ///< With `bonded`; if that fails, with `clinical`.
+  double contact = 0.0;   ///< With `contact`.
 };
 
 /// A ratio with what may explain a deviation from its range.
@@ -30,21 +30,22 @@ struct ExplainedRatio {
 /// the soft tissue (Saint-Venant); lips and chin are 12 to 15 mm thick (\cite arnett1999).
 inline constexpr double kNearScanBoundary_mm = 25.0;
 
-/// \param ratios   of the prediction.
-/// \param held     with the interface InterfaceSensitivity::held, for the same segments and
+/// \param ratios    of the prediction.
+/// \param attached  with the interface InterfaceSensitivity::attached, for the same segments and
 ///   landmarks; or empty.
-/// \param contact  with the interface `contact`; or empty.
-/// \returns `ratios` in their order. A ratio that `held` or `contact` lacks has no `by_interface`.
+/// \param contact   with the interface `contact`; or empty.
+/// \returns `ratios` in their order. A ratio that `attached` or `contact` lacks has no
+///   `by_interface`.
 [[nodiscard]] std::vector<ExplainedRatio> with_interfaces(
     std::span<const compare::SoftTissueRatio> ratios,
-    std::span<const compare::SoftTissueRatio> held,
+    std::span<const compare::SoftTissueRatio> attached,
     std::span<const compare::SoftTissueRatio> contact);
 
 /// Sets ExplainedRatio::scan_boundary_mm.
 ///
-/// \param ratios          changed.
-/// \param landmarks_L     before surgery.
-/// \param scan_boundary_L nodes of the tissue at the scan boundary [mm]; may be empty.
+/// \param ratios           changed.
+/// \param landmarks_L      before surgery.
+/// \param scan_boundary_L  nodes of the tissue at the scan boundary [mm]; may be empty.
 void measure_scan_boundary(std::vector<ExplainedRatio>& ratios,
                            std::span<const plan::Landmark> landmarks_L,
                            std::span<const Vec3> scan_boundary_L);

@@ -65,7 +65,8 @@ std::vector<std::string> row_of(const SoftTissueRatio& ratio) {
 
 Json by_interface_json(const ExplainedRatio& explained) {
   if (!explained.by_interface) return nullptr;
-  return {{"held", explained.by_interface->held}, {"contact", explained.by_interface->contact}};
+  return {{"attached", explained.by_interface->attached},
+          {"contact", explained.by_interface->contact}};
 }
 
 /// A line for each ratio outside its published range.

@@ -73,7 +73,7 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
   static_cast<void>(supports);
   const geometry::TriangleMesh segment_L =
       geometry::transformed(prepared.cut.segments_L[segment], X_LB);
-  if (prediction.touched.empty()) return io::write_surface(file, segment_L);
+  if (prediction.nodal_contacts.empty()) return io::write_surface(file, segment_L);
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   std::vector<Vec3> x_L = tissue.nodes_L;
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
@@ -82,7 +82,7 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
       prepared.plan.boundary.contact_snap_mm + contact.max_penetration_increase_mm;
   contact::BoneContactFields load =
       contact::project_contact_to_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
-                                       prediction.touched[segment], near_mm);
+                                       prediction.nodal_contacts[segment], near_mm);
   for (double& pressure : load.pressure_mpa) pressure = kpa_from_mpa(pressure);
   return io::write_surface(
       file, segment_L,

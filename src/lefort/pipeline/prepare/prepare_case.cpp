@@ -51,11 +51,11 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
       [](const fs::path& path, const mesh::VolumeMesh& made) { return io::write_vtu(path, made); });
 }
 
-Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments& cut,
+Result<std::vector<predict::ContactBone>> find_segments(const plan::CutSegments& cut,
                                                          const io::PlanFile& plan,
                                                          const StageCache& cache,
                                                          Progress& progress) {
-  std::vector<predict::MovedSegment> segments;
+  std::vector<predict::ContactBone> segments;
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) {
     LEFORT_TRY(auto field, find_field("segment", segment_L, contact_field_options(plan, segment_L),
                                       cache, progress));
@@ -68,7 +68,7 @@ Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments
 struct BonesAndFields {
   plan::CutSegments cut;
   geometry::TriangleMesh segments_L;  ///< All segments as one mesh.
-  std::vector<predict::MovedSegment> segments;
+  std::vector<predict::ContactBone> segments;
 };
 
 /// Checks the paths, too, because that takes seconds and meshing takes minutes.
@@ -84,8 +84,8 @@ Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& hea
     note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, bones.cut.segments_L[k],
                       progress);
   LEFORT_TRY(bones.segments, find_segments(bones.cut, plan, cache, progress));
-  LEFORT_TRY_VOID(predict::check_reach(plan::paths_of(plan.segments), bones.segments,
-                                       plan.contact.detection, plan.boundary));
+  LEFORT_TRY_VOID(predict::check_query_range(plan::paths_of(plan.segments), bones.segments,
+                                             plan.contact.detection, plan.boundary));
   return bones;
 }
 
@@ -105,7 +105,7 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
   const std::vector<geometry::RigidPath> paths = plan::paths_of(plan.segments);
   std::vector<predict::MovingBone> bones;
   for (std::size_t k = 0; k < paths.size(); ++k) {
-    const predict::MovedSegment& segment = prepared.segments[k];
+    const predict::ContactBone& segment = prepared.segments[k];
     LEFORT_TRY(bones.emplace_back(), predict::make_moving_bone(paths[k].segment, segment.surface_B,
                                                                &paths[k], segment.field_B));
   }
@@ -181,7 +181,7 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
 }
 
 /// The field of stationary bone, if tissue meets it.
-Result<std::optional<predict::MovedSegment>> find_stationary_bone(
+Result<std::optional<predict::ContactBone>> find_stationary_bone(
     const predict::TissueBoundary& boundary, const geometry::TriangleMesh& remainder_L,
     const io::PlanFile& plan, const StageCache& cache, Progress& progress) {
   if (!boundary.tissue.face_sets.contains(predict::sets::kStationaryContact) &&
@@ -189,7 +189,7 @@ Result<std::optional<predict::MovedSegment>> find_stationary_bone(
     return std::nullopt;
   LEFORT_TRY(auto field, find_field("remainder", remainder_L,
                                     contact_field_options(plan, remainder_L), cache, progress));
-  return predict::MovedSegment{remainder_L, std::move(field)};
+  return predict::ContactBone{remainder_L, std::move(field)};
 }
 
 /// Reports the conditions of the boundary, paint without effect, and a scan that ends too close.
@@ -257,7 +257,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                                       plan.tissue, plan.boundary, cache, progress));
   predict::TissueBoundary& boundary = made.boundary;
   note_boundary(boundary, plan, painted.has_value(), progress);
-  LEFORT_TRY(std::optional<predict::MovedSegment> stationary_bone,
+  LEFORT_TRY(std::optional<predict::ContactBone> stationary_bone,
              find_stationary_bone(boundary, bones.cut.remainder_L, plan, cache, progress));
   mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
@@ -293,7 +293,7 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                          tissue, boundary, cache, progress));
   predict::TissueBoundary& found = made.boundary;
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
-  LEFORT_TRY(std::optional<predict::MovedSegment> stationary_bone,
+  LEFORT_TRY(std::optional<predict::ContactBone> stationary_bone,
              find_stationary_bone(found, remainder_L, prepared.plan, cache, progress));
   return predict::FaceModel{.tissue = std::move(found.tissue),
                             .segments = prepared.model.segments,

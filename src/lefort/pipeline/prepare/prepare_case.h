@@ -64,8 +64,8 @@ struct PreparedCase {
 /// \param ct           the scan.
 /// \param cache        of labels, fields and the tissue's mesh.
 /// \returns the case, or what scan_head(), io::read_boundary_labels(), plan::cut_segments(),
-///   field::build_distance_field(), predict::check_reach() and predict::mesh_tissue() return; or
-///   kPlanInvalid if the plan has a material for muscle and the labels contain none.
+///   field::build_distance_field(), predict::check_query_range() and predict::mesh_tissue() return;
+///   or kPlanInvalid if the plan has a material for muscle and the labels contain none.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);

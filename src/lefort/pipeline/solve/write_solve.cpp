@@ -1,5 +1,6 @@
 #include <lefort/core/units.h>
 #include <lefort/io/output_folder.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/solve/write_solve.h>
 
@@ -60,11 +61,11 @@ void add_element_fields(const io::WrittenFields& wanted,
 
 /// Pressure and gap at the nodes of contact faces; elsewhere 0 and NaN.
 void add_contact_fields(const std::string& obstacle,
-                        const std::vector<contact::NodalContact>& touched, Index nodes,
+                        const std::vector<contact::NodalContact>& nodal_contacts, Index nodes,
                         io::VtuFields& fields) {
   std::vector<double> pressure_kpa(std::size_t(nodes), 0.0);
   std::vector<double> gap_mm(std::size_t(nodes), std::numeric_limits<double>::quiet_NaN());
-  for (const contact::NodalContact& node : touched) {
+  for (const contact::NodalContact& node : nodal_contacts) {
     pressure_kpa[std::size_t(node.node)] = kpa_from_mpa(node.pressure_mpa);
     gap_mm[std::size_t(node.node)] = node.gap_mm;
   }
@@ -89,7 +90,7 @@ io::VtuFields fields_of(const io::WrittenFields& wanted, const solve::Deck& deck
   add_element_fields(wanted, increment.elements, fields);
   if (wanted.contact)
     for (std::size_t i = 0; i < deck.obstacles.size(); ++i)
-      add_contact_fields(deck.obstacles[i].name, increment.touched[i],
+      add_contact_fields(deck.obstacles[i].name, increment.nodal_contacts[i],
                          Index(displacement_mm.size()), fields);
   return fields;
 }

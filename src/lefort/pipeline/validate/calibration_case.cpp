@@ -3,6 +3,7 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/validate/calibration_case.h>

@@ -2,7 +2,7 @@
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 #include <lefort/pipeline/validate/case_plan.h>
 #include <lefort/plan/make_keyframes.h>
 

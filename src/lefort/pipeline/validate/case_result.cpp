@@ -1,4 +1,4 @@
-#include <lefort/io/write_atomically.h>
+#include <lefort/io/read_text.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/validate/case_result.h>
 

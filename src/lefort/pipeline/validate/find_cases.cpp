@@ -1,7 +1,7 @@
 #include <lefort/io/plan_inputs.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/volume_files.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/validate/find_cases.h>
 
 #include <fmt/format.h>

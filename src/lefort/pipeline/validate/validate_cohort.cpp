@@ -1,4 +1,5 @@
 #include <lefort/io/output_folder.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/validate.h>
 #include <lefort/pipeline/validate/cohort_folder.h>

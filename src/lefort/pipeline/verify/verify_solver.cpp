@@ -1,5 +1,6 @@
 #include <lefort/core/types.h>
 #include <lefort/io/output_folder.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/verify.h>
 #include <lefort/verify/run_suite.h>

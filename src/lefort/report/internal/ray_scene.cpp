@@ -36,7 +36,7 @@ bool attach(RTCDevice device, RTCScene scene, const geometry::TriangleMesh& mesh
   return allocated;
 }
 
-RTCRay ray_of(const Vec3& origin_L, const Vec3& direction_L, double reach_mm) {
+RTCRay ray_of(const Vec3& origin_L, const Vec3& direction_L, double max_distance_mm) {
   RTCRay ray{};
   ray.org_x = float(origin_L.x());
   ray.org_y = float(origin_L.y());
@@ -44,7 +44,7 @@ RTCRay ray_of(const Vec3& origin_L, const Vec3& direction_L, double reach_mm) {
   ray.dir_x = float(direction_L.x());
   ray.dir_y = float(direction_L.y());
   ray.dir_z = float(direction_L.z());
-  ray.tfar = float(reach_mm);
+  ray.tfar = float(max_distance_mm);
   ray.mask = ~0U;
   return ray;
 }
@@ -90,8 +90,9 @@ std::optional<RayHit> RayScene::closest(const Vec3& origin_L, const Vec3& direct
   return RayHit{query.ray.tfar, normal_L.normalized(), query.hit.primID, query.hit.u, query.hit.v};
 }
 
-bool RayScene::blocked(const Vec3& origin_L, const Vec3& direction_L, double reach_mm) const {
-  RTCRay ray = ray_of(origin_L, direction_L, reach_mm);
+bool RayScene::blocked(const Vec3& origin_L, const Vec3& direction_L,
+                       double max_distance_mm) const {
+  RTCRay ray = ray_of(origin_L, direction_L, max_distance_mm);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(rtc(scene_), &context, &ray);

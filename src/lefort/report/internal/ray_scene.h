@@ -31,8 +31,9 @@ class RayScene {
   /// \returns the closest hit along `direction_L` (unit length), nothing if there is none.
   [[nodiscard]] std::optional<RayHit> closest(const Vec3& origin_L, const Vec3& direction_L) const;
 
-  /// \returns whether there is a hit within `reach_mm` along `direction_L` (unit length).
-  [[nodiscard]] bool blocked(const Vec3& origin_L, const Vec3& direction_L, double reach_mm) const;
+  /// \returns whether there is a hit within `max_distance_mm` along `direction_L` (unit length).
+  [[nodiscard]] bool blocked(const Vec3& origin_L, const Vec3& direction_L,
+                             double max_distance_mm) const;
 
  private:
   explicit RayScene(std::shared_ptr<void> scene) : scene_(std::move(scene)) {}

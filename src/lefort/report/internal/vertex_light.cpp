@@ -95,7 +95,7 @@ std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh_L) {
 
 Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
                                              const std::vector<Vec3>& normals_L,
-                                             const RayScene& obstacles, double reach_mm,
+                                             const RayScene& obstacles, double max_distance_mm,
                                              Progress& progress) {
   const double lift = lift_mm(mesh_L);
   const auto fraction = [&](Index v) {
@@ -110,7 +110,7 @@ Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_
       const Eigen::Vector2d flat = disc_point(k, kAmbientSamples, rotation);
       const Vec3 direction_L =
           flat.x() * side_L + flat.y() * other_L + std::sqrt(1.0 - flat.squaredNorm()) * normal_L;
-      open += obstacles.blocked(origin_L, direction_L, reach_mm) ? 0 : 1;
+      open += obstacles.blocked(origin_L, direction_L, max_distance_mm) ? 0 : 1;
     }
     return double(open) / kAmbientSamples;
   };

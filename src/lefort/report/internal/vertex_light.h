@@ -20,17 +20,18 @@ namespace lefort::report {
 ///   with an area.
 [[nodiscard]] std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh_L);
 
-/// \param mesh_L     the surface.
-/// \param normals_L  of its vertices.
-/// \param obstacles  what occludes.
-/// \param reach_mm   largest distance of an occluder.
-/// \param progress   may request a stop.
+/// \param mesh_L           the surface.
+/// \param normals_L        of its vertices.
+/// \param obstacles        what occludes.
+/// \param max_distance_mm  largest distance of an occluder.
+/// \param progress         may request a stop.
 /// \returns the cosine-weighted visible fraction of the hemisphere at each vertex, 0 to 1; or
 ///   kCancelled.
 [[nodiscard]] Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
                                                            const std::vector<Vec3>& normals_L,
                                                            const RayScene& obstacles,
-                                                           double reach_mm, Progress& progress);
+                                                           double max_distance_mm,
+                                                           Progress& progress);
 
 /// \param mesh_L       the surface.
 /// \param normals_L    of its vertices.

@@ -1,6 +1,7 @@
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/predicted_poses.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/case/case_folder.h>
@@ -215,7 +216,7 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   if (stage == "cut" || stage == "preview") {
     io::Sha256 sum;
     sum.add(cutting_part(plan_json).dump());
-    for (const std::string& name : io::file_catalog(*text))
+    for (const std::string& name : io::files_of_plan(*text))
       if (name != kBoundaryFile) sum.add(name).add(fingerprint(root_ / name).value_or(""));
     inputs["cut"] = sum.hex();
   }
@@ -355,7 +356,7 @@ Result<void> check_files_of_plan(const std::string& text) {
   }
   std::vector<std::string> names;
   try {
-    names = io::file_catalog(plan.dump());
+    names = io::files_of_plan(plan.dump());
   } catch (const json::exception&) {
     return fail(ErrorCode::kPlanInvalid, "the plan does not match its schema");
   }

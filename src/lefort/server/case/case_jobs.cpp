@@ -1,4 +1,5 @@
 #include <lefort/io/plan_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/compare.h>

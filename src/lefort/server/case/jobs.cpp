@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/printable.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/jobs.h>

@@ -2,8 +2,8 @@
 #include <lefort/contact/measure_gap.h>
 #include <lefort/core/parallel.h>
 #include <lefort/io/field_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/server/case/overlap_service.h>
 
 #include <fmt/format.h>
@@ -88,7 +88,7 @@ Result<OverlapService::Depths> OverlapService::depths(const Poses& poses) const 
       std::vector<contact::Gap> gaps(near.size());
       contact::measure_gaps({other.distance_query_B, X_LO}, points_L, contact::Derivatives::kFirst,
                             gaps);
-      const double reach_mm = other.distance_query_B->max_distance_mm();
+      const double max_distance_mm = other.distance_query_B->max_distance_mm();
       for (std::size_t n = 0; n < near.size(); ++n) {
         const contact::Gap& gap = gaps[n];
         const bool is_known = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kInside;
@@ -96,7 +96,7 @@ Result<OverlapService::Depths> OverlapService::depths(const Poses& poses) const 
         double& depth_mm = deepest_mm[std::size_t(near[n])];
         depth_mm = std::max(depth_mm, -gap.gap_mm);
         depths.deepest_mm = std::max(depths.deepest_mm, depth_mm);
-        if (-gap.gap_mm >= reach_mm) depths.depth_is_lower_bound = true;
+        if (-gap.gap_mm >= max_distance_mm) depths.depth_is_lower_bound = true;
       }
     }
     depths.segments.emplace_back(moved.name, moved.surface_B.vertex_count());

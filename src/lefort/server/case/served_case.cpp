@@ -25,7 +25,7 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
       cached_volume(1),
       cached_bones(1),
       cached_preview(1),
-      kept_steps(1),
+      step_skins(1),
       cached_surfaces(kKeptSurfaces),
       jobs(
           folder.jobs(), events,

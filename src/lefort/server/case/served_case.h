@@ -40,7 +40,7 @@ struct ServedCase {
   LruCache<image::CtVolume> cached_volume;
   LruCache<OverlapService> cached_bones;
   LruCache<predict::FacePreview> cached_preview;
-  LruCache<io::StepSkin> kept_steps;
+  LruCache<io::StepSkin> step_skins;
   LruCache<std::string> cached_surfaces;
   Jobs jobs;  ///< Last member: its worker uses the others.
 

@@ -1,5 +1,6 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/plan_file.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/server/api/request_parts.h>

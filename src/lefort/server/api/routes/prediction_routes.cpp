@@ -76,7 +76,7 @@ Result<std::vector<Vec3>> step_displacement(ServedCase& served, const std::strin
   const auto etag = served.folder.etag(served.folder.prediction() / "prediction.json");
   if (!number || !etag) return fail(ErrorCode::kFileNotFound, kNoStep);
   LEFORT_TRY(const auto ct, served.volume());
-  LEFORT_TRY(const auto steps, served.kept_steps.get("steps", *etag, [&] {
+  LEFORT_TRY(const auto steps, served.step_skins.get("steps", *etag, [&] {
     return io::StepSkin::read(served.folder.prediction(), ct->grid.spacing_mm);
   }));
   return steps->displacement_mm(*number);

@@ -23,11 +23,11 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// \param detection  the method of the query.
 /// \returns as contact::field_distance_query().
 [[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
-    const MovedSegment& segment, contact::DetectionMethod detection);
+    const ContactBone& segment, contact::DetectionMethod detection);
 
 /// segment_distance_query() of each segment.
 [[nodiscard]] Result<DistanceQueries> segment_distance_queries(
-    const std::vector<MovedSegment>& segments, contact::DetectionMethod detection);
+    const std::vector<ContactBone>& segments, contact::DetectionMethod detection);
 
 /// Checks that distance queries of the segments suffice for contact along the paths. Checks nothing
 /// if tissue is bonded to the segments.
@@ -41,22 +41,22 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 ///   - kInvalidArgument  boundary.contact_snap_mm is not less than a query's maximum distance;
 ///   - kStepBeyondBand   a segment moves further than the maximum distance of its query between two
 ///     neighbors among the steps and keyframes of all paths.
-[[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
-                                       const std::vector<MovedSegment>& segments,
-                                       const DistanceQueries& distance_queries_B,
-                                       const BoundaryOptions& boundary);
+[[nodiscard]] Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
+                                             const std::vector<ContactBone>& segments,
+                                             const DistanceQueries& distance_queries_B,
+                                             const BoundaryOptions& boundary);
 
 /// The same for queries made by `detection`; or what segment_distance_queries() returns.
-[[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
-                                       const std::vector<MovedSegment>& segments,
-                                       contact::DetectionMethod detection,
-                                       const BoundaryOptions& boundary);
+[[nodiscard]] Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
+                                             const std::vector<ContactBone>& segments,
+                                             contact::DetectionMethod detection,
+                                             const BoundaryOptions& boundary);
 
 /// Checks that a distance query of stationary bone suffices for tissue that slides on it.
 ///
 /// \param distance_query_L  of the stationary bone.
 /// \param contact_snap_mm   boundary.contact_snap_mm.
-/// \returns nothing, or kMeshInvalid and kInvalidArgument as check_reach().
+/// \returns nothing, or kMeshInvalid and kInvalidArgument as check_query_range().
 [[nodiscard]] Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
                                                  double contact_snap_mm);
 

@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/predict/check_reach.h>
+#include <lefort/predict/check_query_range.h>
 #include <lefort/predict/load_levels.h>
 
 #include <fmt/format.h>
@@ -11,11 +11,11 @@
 namespace lefort::predict {
 namespace {
 
-/// Of one segment, see check_reach().
-Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<LoadLevel>& levels,
-                            const MovedSegment& segment,
-                            const contact::DistanceQuery& distance_query_B,
-                            double contact_snap_mm) {
+/// Of one segment, see check_query_range().
+Result<void> check_query_range_of(const geometry::RigidPath& path,
+                                  const std::vector<LoadLevel>& levels, const ContactBone& segment,
+                                  const contact::DistanceQuery& distance_query_B,
+                                  double contact_snap_mm) {
   const double band_mm = distance_query_B.max_distance_mm();
   if (!distance_query_B.is_closed())
     return fail(
@@ -45,7 +45,7 @@ Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<L
 }  // namespace
 
 Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
-    const MovedSegment& segment, contact::DetectionMethod detection) {
+    const ContactBone& segment, contact::DetectionMethod detection) {
   if (detection != contact::DetectionMethod::kBvh)
     return contact::field_distance_query(
         segment.field_B, detection,
@@ -54,35 +54,36 @@ Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
                                      segment.field_B->band_mm());
 }
 
-Result<DistanceQueries> segment_distance_queries(const std::vector<MovedSegment>& segments,
+Result<DistanceQueries> segment_distance_queries(const std::vector<ContactBone>& segments,
                                                  contact::DetectionMethod detection) {
   DistanceQueries distance_queries_B;
-  for (const MovedSegment& segment : segments) {
+  for (const ContactBone& segment : segments) {
     LEFORT_TRY(auto distance_query_B, segment_distance_query(segment, detection));
     distance_queries_B.push_back(std::move(distance_query_B));
   }
   return distance_queries_B;
 }
 
-Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
-                         const std::vector<MovedSegment>& segments,
-                         const DistanceQueries& distance_queries_B,
-                         const BoundaryOptions& boundary) {
+Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
+                               const std::vector<ContactBone>& segments,
+                               const DistanceQueries& distance_queries_B,
+                               const BoundaryOptions& boundary) {
   if (boundary.interface == TissueInterface::kBonded) return {};
   const std::vector<LoadLevel> levels = load_levels(paths, 1);
   for (std::size_t k = 0; k < paths.size(); ++k)
-    LEFORT_TRY_VOID(check_reach_of(paths[k], levels, segments[k], *distance_queries_B[k],
-                                   boundary.contact_snap_mm));
+    LEFORT_TRY_VOID(check_query_range_of(paths[k], levels, segments[k], *distance_queries_B[k],
+                                         boundary.contact_snap_mm));
   return {};
 }
 
-Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
-                         const std::vector<MovedSegment>& segments,
-                         contact::DetectionMethod detection, const BoundaryOptions& boundary) {
+Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
+                               const std::vector<ContactBone>& segments,
+                               contact::DetectionMethod detection,
+                               const BoundaryOptions& boundary) {
   LEFORT_CHECK(paths.size() == segments.size());
   LEFORT_TRY(const DistanceQueries distance_queries_B,
              segment_distance_queries(segments, detection));
-  return check_reach(paths, segments, distance_queries_B, boundary);
+  return check_query_range(paths, segments, distance_queries_B, boundary);
 }
 
 Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
