@@ -92,22 +92,22 @@ TEST(ElevationZones, HaveTheMarginsOfTheProcedureOrOfThePlan) {
   const auto zones = elevation_zones(bones, planned, std::nullopt);
   ASSERT_EQ(zones.size(), 2U);
   EXPECT_EQ(zones[0].margins.segment_mm, 5.0);
-  EXPECT_EQ(zones[0].margins.stationary_mm, 12.0);
+  EXPECT_EQ(zones[0].margins.other_side_mm, 12.0);
   EXPECT_EQ(zones[1].margins.segment_mm, 8.0);
-  EXPECT_EQ(zones[1].margins.stationary_mm, 8.0);
+  EXPECT_EQ(zones[1].margins.other_side_mm, 8.0);
   for (const ElevationZone& zone : zones) EXPECT_NEAR(area_mm2(zone.cut_faces_L), 400.0, 1e-3);
   for (const ElevationZone& zone : elevation_zones(bones, planned, 3.0)) {
     EXPECT_EQ(zone.margins.segment_mm, 3.0);
-    EXPECT_EQ(zone.margins.stationary_mm, 3.0);
+    EXPECT_EQ(zone.margins.other_side_mm, 3.0);
   }
 }
 
 /// The table in docs/theory/interface.md.
 TEST(ElevationZones, MarginsOfEachProcedure) {
   const auto expect_margins = [](std::optional<OsteotomyTemplate> procedure, double segment_mm,
-                                 double stationary_mm) {
+                                 double other_side_mm) {
     EXPECT_EQ(elevation_margins(procedure).segment_mm, segment_mm);
-    EXPECT_EQ(elevation_margins(procedure).stationary_mm, stationary_mm);
+    EXPECT_EQ(elevation_margins(procedure).other_side_mm, other_side_mm);
   };
   expect_margins(OsteotomyTemplate::kLeFort1, 5.0, 12.0);
   expect_margins(OsteotomyTemplate::kLeFort2, 8.0, 15.0);

@@ -82,7 +82,7 @@ void visit_nodes_on_bone(
 
 TEST(InterfaceMap, TissueIsElevatedWithinTheMarginOfEachSideOfACutAndElseBonded) {
   const TissueBoundary found =
-      boundary_of({}, {{cut_face(), {.segment_mm = 5.0, .stationary_mm = 9.0}}});
+      boundary_of({}, {{cut_face(), {.segment_mm = 5.0, .other_side_mm = 9.0}}});
   int elevated = 0, bonded = 0;
   visit_nodes_on_bone(found.interface, [&](const NodeInterface& one, double from_cut_mm) {
     const bool on_segment = one.bone == 0;
@@ -135,7 +135,7 @@ TEST(InterfaceMap, AJointFarFromTheCutStaysAJoint) {
   geometry::TriangleMesh far_cut = cut_face();
   for (Vec3& vertex : far_cut.vertices) vertex.z() -= 40.0;
   const TissueBoundary found =
-      boundary_of({}, {{far_cut, {.segment_mm = 5.0, .stationary_mm = 9.0}}});
+      boundary_of({}, {{far_cut, {.segment_mm = 5.0, .other_side_mm = 9.0}}});
   visit_nodes_on_bone(found.interface, [&](const NodeInterface& one, double from_cut_mm) {
     if (std::abs(from_cut_mm) < 7.9) {
       EXPECT_EQ(one.condition, Condition::kSliding) << from_cut_mm;
@@ -236,7 +236,7 @@ TEST(InterfaceMap, APaintedLabelOverridesEachRule) {
     for (const auto& [from, to] : {std::pair{5.0, 18.0}, std::pair{22.0, 32.0}}) {
       const BoundaryLabelMap painted = painted_below(from, to, label);
       const TissueBoundary found = boundary_of(
-          {}, {{cut_face(), {.segment_mm = 5.0, .stationary_mm = 5.0}}}, phantom().bones, &painted);
+          {}, {{cut_face(), {.segment_mm = 5.0, .other_side_mm = 5.0}}}, phantom().bones, &painted);
       visit_nodes_on_bone(found.interface, [&](const NodeInterface& one, double from_cut_mm) {
         const double x = from_cut_mm + kCut_mm;
         if (x > from + 0.5 && x < to - 0.5) {
@@ -278,7 +278,7 @@ TEST(InterfaceMap, ContactAndBondedHaveTheSetsOfThePaper) {
         options.scan_boundary = scan;
         // The zones are those of the clinical interface.
         const TissueBoundary found =
-            boundary_of(options, {{cut_face(), {.segment_mm = 5.0, .stationary_mm = 9.0}}});
+            boundary_of(options, {{cut_face(), {.segment_mm = 5.0, .other_side_mm = 9.0}}});
         EXPECT_EQ(found.tissue.node_sets.at(sets::kFixed), formerly_fixed(found.tissue, options));
         const bool is_bonded = options.interface == TissueInterface::kBonded;
         EXPECT_EQ(found.tissue.node_sets.at(sets::kBonded),

@@ -190,11 +190,11 @@ image::ScalarVolume dense_width(const image::CtVolume& ct, const Mask& bone, dou
   };
   const Components sparse =
       connected_components(mask_where(bone.grid, is_sparse), Neighbors::kFaces);
-  const std::vector<std::uint8_t> is_open = labels_touching(
+  const std::vector<std::uint8_t> is_open = components_touching(
       sparse, mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
   const image::ScalarVolume depth_mm =
       distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
-  const Mask open = select_labels(sparse, is_open);
+  const Mask open = select_components(sparse, is_open);
   return distance_to(mask_where(bone.grid, [&](std::size_t v) {
     return open.values[v] != 0 && (bone.values[v] == 0 || double(depth_mm.values[v]) <= kMarrow_mm);
   }));

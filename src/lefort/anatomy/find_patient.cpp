@@ -21,7 +21,7 @@ Mask with_marrow(const Mask& bone, const Mask& walls, const Mask& air) {
   const Components rooms = connected_components(
       mask_where(bone.grid, [&](std::size_t v) { return walls.values[v] == 0; }),
       Neighbors::kFaces);
-  std::vector<std::uint8_t> is_marrow = labels_touching(rooms, air);
+  std::vector<std::uint8_t> is_marrow = components_touching(rooms, air);
   for (std::size_t room = 1; room < is_marrow.size(); ++room) {
     const bool small = double(rooms.voxels[room]) * ml <= kMaxMarrow_ml;
     is_marrow[room] = is_marrow[room] == 0 && small ? 1 : 0;
@@ -67,7 +67,7 @@ Mask find_bone(const image::CtVolume& ct, const Mask& patient, const Segmentatio
   std::vector<std::uint8_t> large(parts.voxels.size(), 0);
   for (std::size_t part = 1; part < large.size(); ++part)
     large[part] = double(parts.voxels[part]) * voxel_ml(ct.grid) >= options.min_bone_ml ? 1 : 0;
-  const Mask bone = select_labels(parts, large);
+  const Mask bone = select_components(parts, large);
 
   const Mask air = mask_where(ct.grid, [&](std::size_t v) {
     return patient.values[v] == 0 || double(ct.values[v]) < options.skin_hu;

@@ -121,7 +121,7 @@ Mask crowns_of(const JawBox& box) {
   std::vector<std::uint8_t> is_crown(parts.voxels.size(), 0);
   for (std::size_t part = 1; part < parts.voxels.size(); ++part)
     is_crown[part] = enamel_mm3[part] >= kMinCrownEnamel_mm3 ? 1 : 0;
-  return select_labels(parts, is_crown);
+  return select_components(parts, is_crown);
 }
 
 /// Crowns with their roots.
@@ -141,7 +141,7 @@ Mask teeth_of(const JawBox& box) {
                    return (thick.values[v] != 0 && dense.values[v] != 0) || crowns.values[v] != 0;
                  }),
       Neighbors::kFaces);
-  const Mask cores = select_labels(parts, labels_touching(parts, crowns));
+  const Mask cores = select_components(parts, components_touching(parts, crowns));
   // The blurred border of a tooth: close to it, and no thicker bone.
   const Mask rest = mask_where(
       dense.grid, [&](std::size_t v) { return box.jaw.values[v] != 0 && cores.values[v] == 0; });

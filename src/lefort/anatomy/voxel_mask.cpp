@@ -116,14 +116,14 @@ Components connected_components(const Mask& mask, Neighbors neighbors) {
   return parts;
 }
 
-Mask select_labels(const Components& parts, const std::vector<std::uint8_t>& keep) {
+Mask select_components(const Components& parts, const std::vector<std::uint8_t>& keep) {
   LEFORT_CHECK(keep.size() == parts.voxels.size());
   return mask_where(parts.component_of.grid, [&](std::size_t v) {
     return keep[std::size_t(parts.component_of.values[v])] != 0;
   });
 }
 
-std::vector<std::uint8_t> labels_touching(const Components& parts, const Mask& mask) {
+std::vector<std::uint8_t> components_touching(const Components& parts, const Mask& mask) {
   std::vector<std::uint8_t> touching(parts.voxels.size(), 0);
   for (std::size_t v = 0; v < mask.values.size(); ++v)
     if (mask.values[v] != 0) touching[std::size_t(parts.component_of.values[v])] = 1;

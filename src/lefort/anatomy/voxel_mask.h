@@ -1,9 +1,9 @@
 /// \file
 /// Sets of voxels, and morphological operations with lengths in mm.
 ///
-/// Distances are between voxel centers. Outside of the grid voxels are neither inside nor outside a
-/// set: faces of the grid do not erode a set, but closing fills narrow gaps between a set and a
-/// face.
+/// Distances are between voxel centers. Nothing is assumed about voxels beyond the grid: erosion
+/// does not start at the faces of the grid, and therefore closing also fills narrow gaps between a
+/// set and a face.
 #pragma once
 
 #include <lefort/core/parallel.h>
@@ -65,7 +65,7 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 /// \param radius_mm  >= 0.
 [[nodiscard]] Mask dilated(const Mask& mask, double radius_mm);
 
-/// Voxels of the set that are further than `radius_mm` from all others.
+/// Voxels of the set that are further than `radius_mm` from every voxel outside the set.
 [[nodiscard]] Mask eroded(const Mask& mask, double radius_mm);
 
 /// Erosion, then dilation: removes what is thinner than twice the radius.
@@ -99,10 +99,12 @@ struct Components {
 [[nodiscard]] Components connected_components(const Mask& mask, Neighbors neighbors);
 
 /// The voxels of the components for which keep[component] is true; keep[0] applies outside the set.
-[[nodiscard]] Mask select_labels(const Components& parts, const std::vector<std::uint8_t>& keep);
+[[nodiscard]] Mask select_components(const Components& components,
+                                     const std::vector<std::uint8_t>& keep);
 
 /// For each component, whether one of its voxels is in `mask`; entry 0 is 0.
-[[nodiscard]] std::vector<std::uint8_t> labels_touching(const Components& parts, const Mask& mask);
+[[nodiscard]] std::vector<std::uint8_t> components_touching(const Components& components,
+                                                            const Mask& mask);
 
 /// Convolution with a Gaussian; values outside of the grid repeat those of its faces.
 ///

@@ -13,7 +13,7 @@
 namespace lefort::compare {
 
 struct RegisterOptions {
-  Index max_points = 20000;  ///< Number of vertices used in the last iterations; >= 100.
+  Index max_points = 20000;  ///< Largest number of vertices used in the last iterations; >= 100.
   int max_iterations = 200;  ///< >= 1.
   /// Largest median of the distances after registration; > 0. The bone in two scans of one patient
   /// agrees within a fraction of a voxel.
@@ -25,8 +25,9 @@ struct Registration {
   double rms_mm = 0.0;           ///< Weighted root mean square of the remaining distances.
   double inlier_fraction = 0.0;  ///< Mean weight of the points, 0 to 1.
   /// Smallest eigenvalue of the normal matrix over the six rigid-body motions, relative to the sum
-  /// of weights: the mean square of that motion along the normals. It is 0 for a motion that maps
-  /// the surface to itself, such as a rotation of a sphere (Gelfand et al. 2003).
+  /// of weights: the mean square displacement along the normals by the unit motion that the
+  /// surfaces determine least. It is 0 if a motion maps the surface to itself, such as a rotation
+  /// of a sphere (Gelfand et al. 2003).
   double stability = 0.0;
 };
 
@@ -34,17 +35,18 @@ struct Registration {
 /// \cite chen1992 and Tukey's weights, whose width follows the median distance: up to half of
 /// `from` may have no counterpart. The motion is never a reflection.
 ///
-/// \param from      vertices that lie on the object; all of them are used, or every n-th.
+/// \param from      vertices that lie on the object; every n-th is used, so that there are at most
+///   options.max_points.
 /// \param onto      the surface to register with; closed or open.
 /// \param starts    initial alignments, one or more. Each is iterated with few points; the one of
-///   the smallest median distance (the first of equals) is continued with all points.
+///   the smallest median distance (the first of equals) is continued with the points above.
 /// \param options   points, iterations and the acceptable distance.
 /// \param progress  receives the fraction done; may request a stop.
 /// \returns the motion, or
 ///   - kInvalidArgument  fewer than 100 vertices, an option out of range, no initial alignment;
-///   - kNotConverged     the iterations do not converge, fewer than a third of the points have a
-///     counterpart, the median distance exceeds options.max_median_mm, or the surfaces do not
-///     determine the motion (stability below 1e-4);
+///   - kNotConverged     the iterations do not converge, half of the points or more have no
+///     counterpart, the inlier fraction is below 1/3, the median distance exceeds
+///     options.max_median_mm, or the surfaces do not determine the motion (stability below 1e-4);
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Registration> register_surface(const geometry::TriangleMesh& from,

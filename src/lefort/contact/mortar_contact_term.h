@@ -24,10 +24,11 @@
 ///
 /// A weighted gap is a mean, and lets sharp bone pass between the nodes. Each sharp point v of a
 /// bone (bone_points.h) therefore has a condition of its own. D > 0 is its depth behind the tissue
-/// faces (point_in_patch.h), D_0 that in the reference configuration, h the element size, and
-/// A_v = h^2 / 4 an area by which a tip can carry the force of a quarter of a node patch:
+/// faces (point_in_patch.h), D_0 that in the reference configuration, h the element size, and s the
+/// fade at the border of the contact faces (point_in_patch.h). The area A_v = h^2 / 4 gives a tip a
+/// quarter of the force that a node patch of area h^2 has at the same depth:
 ///
-///   W    += sum_v A_v k max(D - D_0, 0)^2
+///   W    += sum_v s A_v k max(D - D_0, 0)^2
 ///
 /// An item is a node patch. It has the part of the energy of v given by the hat function of its
 /// node at the closest point; these functions sum to one.
@@ -61,8 +62,8 @@ inline constexpr double kMortarTolerance_mm = 0.01;
   return 2.0 * young_mpa / tolerance_mm;
 }
 
-/// For each node patch, an estimate of its contact pressure [MPa]. The weighted gaps of patches
-/// with a positive one are constrained to zero. Empty: contact is unilateral.
+/// For each node patch, an estimate of its contact pressure [MPa]. In patches with a positive one
+/// the penalty acts for both signs of the weighted gap. Empty: contact is unilateral.
 using ActiveSet = std::vector<double>;
 
 /// \returns whether the same patches are active.
@@ -89,16 +90,16 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// Moves a bone. Not while the term is being evaluated.
   void set_pose(std::size_t bone, const RigidTransform& X_LB) { obstacles_[bone].X_LB = X_LB; }
 
-  /// Holds the weighted gaps of a set at zero, whatever their sign, and frees the others; used by
-  /// solve_active_set(). The Hess g term of the stiffness then has the estimated pressure: that of
-  /// the penalty would be large and wrong while the gap is not yet zero. Not while the term is
-  /// being evaluated.
+  /// Lets the penalty act in the patches of a set for both signs of the weighted gap, and not at
+  /// all in the others; used by solve_active_set(). The Hess g term of the stiffness then has the
+  /// estimated pressure. 2 k times the present depth would be large and wrong until the step has
+  /// closed the gap. Not while the term is being evaluated.
   /// \param active  one entry per node patch, or empty: unilateral contact.
   void set_active(ActiveSet active) { active_ = std::move(active); }
 
-  /// Notes which patches are far from the bones, and which sharp points are near a patch, so that
-  /// evaluate() can skip the others while they have moved little. Does not change any result. Not
-  /// while the term is being evaluated.
+  /// Notes which patches are far from the bones, and which sharp points are near a patch. While
+  /// patches and bones have moved little since, evaluate() skips the far patches and all other
+  /// sharp points. Does not change any result. Not while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm]; the bones are at their present poses.
   void note_clearances(std::span<const Vec3> x_L);
 
@@ -107,11 +108,11 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] ActiveSet active_set(std::span<const Vec3> x_L) const;
 
   /// \param active  the set of a Newton step.
-  /// \param from_L  positions of all nodes before it [mm].
-  /// \param to_L    positions after it [mm].
+  /// \param from_L  positions of all nodes before the step [mm].
+  /// \param to_L    positions after the fraction `length` of it [mm].
   /// \param length  fraction of the step that was done, in (0, 1].
   /// \returns the active nodes whose pressure is positive in the linear model of the whole step,
-  ///   and the free nodes whose gap is negative after it.
+  ///   and the inactive nodes whose gap is negative at `to_L`.
   [[nodiscard]] ActiveSet updated_active_set(const ActiveSet& active, std::span<const Vec3> from_L,
                                              std::span<const Vec3> to_L, double length) const;
 
@@ -150,7 +151,7 @@ class MortarContactTerm final : public fem::ForceTerm {
 
   /// \param x_L  current positions of all nodes [mm].
   /// \returns one entry per bone; forces are those on the tissue. Depths are those of dense samples
-  ///   of the faces, and of all vertices of the bones behind them.
+  ///   of the faces, and of all vertices and sharp points of the bones behind them.
   [[nodiscard]] std::vector<ContactStatistics> summarize(std::span<const Vec3> x_L) const;
 
   /// \param x_L  current positions of all nodes [mm].
@@ -227,7 +228,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] double moved_since_note_mm(std::size_t bone, std::size_t patch,
                                            std::span<const Vec3> x_L) const;
 
-  /// A state at which patches were clear of the bones.
+  /// The state of the last note_clearances().
   struct Clearances {
     std::vector<Vec3> x_L;
     std::vector<RigidTransform> X_LB;

@@ -21,7 +21,8 @@ struct PatchFace {
   std::array<std::uint8_t, kMaxFaceNodes> local{};  ///< Of each node: place in NodePatch::nodes.
   std::size_t first_point = 0;  ///< Number of its first quadrature point among those of all faces.
   std::size_t number = 0;       ///< Of the face.
-  std::uint8_t border_sides = 0;  ///< Bit i: side i, from corner i, belongs to no other face.
+  std::uint8_t border_sides =
+      0;  ///< Bit i: side i, from corner i, lies on the border: no other contact face has it.
 };
 
 /// A node with the faces around it.
@@ -29,8 +30,9 @@ struct NodePatch {
   std::vector<std::int32_t> nodes;  ///< Of its faces, ascending.
   std::uint8_t center = 0;          ///< Place of its node in `nodes`.
   std::vector<PatchFace> faces;
-  std::vector<bool> on_border;  ///< Of each node: whether it lies on a side of one face only.
-  double area_mm2 = 0.0;        ///< A_a, the integral of M_a over the reference surface.
+  std::vector<bool>
+      on_border;          ///< Of each node: whether it lies on the border of the contact faces.
+  double area_mm2 = 0.0;  ///< A_a, the integral of M_a over the reference surface.
 
   [[nodiscard]] std::int32_t node() const { return nodes[center]; }
 };

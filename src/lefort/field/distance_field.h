@@ -23,9 +23,10 @@ namespace lefort::field {
 
 /// A distance field: immutable, cheap to move, safe for queries from several threads.
 ///
-/// The zone of a query is kBand exactly where all samples around the point are known: at least up
-/// to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. Cells are kUnknown
-/// where the surface is open or inconsistently oriented, so that samples are in conflict.
+/// The zone of sample() is kBand where all samples around the point are known and not in conflict:
+/// at least up to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. That
+/// of sample_smooth() is kBand where its distance is at most band_mm(). Cells are kUnknown where
+/// the surface is open or inconsistently oriented, so that samples are in conflict.
 class DistanceField {
  public:
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;
@@ -56,8 +57,9 @@ class DistanceField {
   /// \pre as many results as points.
   void distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const;
 
-  /// Estimate of the closest surface point [mm]: `p_B` minus distance times gradient. Exact if that
-  /// point is on a flat face away from its edges. Nothing if the zone of sample() is not kBand.
+  /// Estimate of the closest surface point [mm]: `p_B` minus the distance along the unit vector of
+  /// the gradient. Exact if that point is on a flat face away from its edges. Nothing if the zone
+  /// of sample() is not kBand, or the gradient is zero.
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
   /// Continuously differentiable distance: piecewise cubic interpolation of the finest lattice,

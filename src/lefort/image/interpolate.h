@@ -21,8 +21,8 @@ struct Cell {
 
 /// Finds the cell of a point.
 ///
-/// A voxel extends half a spacing from its center; in the outer half of a border voxel the value is
-/// that of its center.
+/// A voxel extends half a spacing from its center. Beyond the outermost centers the coordinate is
+/// clamped to them: the value is constant along that axis.
 ///
 /// \returns false if the point is outside of all voxels, or not finite.
 [[nodiscard]] inline bool find_cell(const Grid& grid, const Vec3& p_L, Cell& cell) {
@@ -65,36 +65,6 @@ template <class T>
     return along_x(v) * (1.0 - cell.fraction.y()) + along_x(v + dy) * cell.fraction.y();
   };
   return along_xy(corner) * (1.0 - cell.fraction.z()) + along_xy(corner + dz) * cell.fraction.z();
-}
-
-/// The gradient of interpolate(), in L, per mm; zero outside of all voxels.
-///
-/// It is discontinuous at planes through voxel centers. On such a plane it is the gradient of the
-/// cell with the larger index.
-///
-/// \param volume  the values.
-/// \param p_L     the point [mm].
-template <class T>
-[[nodiscard]] Vec3 interpolate_gradient(const Volume<T>& volume, const Vec3& p_L) {
-  internal::Cell cell;
-  if (!internal::find_cell(volume.grid, p_L, cell)) return Vec3::Zero();
-  Vec3 gradient_V = Vec3::Zero();
-  for (int corner = 0; corner < 8; ++corner) {
-    const std::array<int, 3> upper{corner & 1, (corner >> 1) & 1, corner >> 2};
-    Index offset = cell.offset;
-    Vec3 weight;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Index>(a);
-      offset += upper[a] * cell.step[a];
-      weight[axis] = upper[a] == 1 ? cell.fraction[axis] : 1.0 - cell.fraction[axis];
-    }
-    const auto value = static_cast<double>(volume.values[static_cast<std::size_t>(offset)]);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double sign = upper[static_cast<std::size_t>(axis)] == 1 ? 1.0 : -1.0;
-      gradient_V[axis] += sign * value * weight[(axis + 1) % 3] * weight[(axis + 2) % 3];
-    }
-  }
-  return volume.grid.direction * gradient_V.cwiseQuotient(volume.grid.spacing_mm);
 }
 
 }  // namespace lefort::image

@@ -32,7 +32,8 @@ struct WrittenFields {
   bool contact = true;
 };
 
-/// The input of `lefort solve`. Paths are absolute, from the folder of the deck.
+/// The input of `lefort solve`. Relative paths of the deck are joined to its folder; read_deck()
+/// makes them absolute.
 struct DeckFile {
   std::string title;
   std::filesystem::path mesh;

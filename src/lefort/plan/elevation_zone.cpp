@@ -67,14 +67,14 @@ ElevationMargins elevation_margins(std::optional<OsteotomyTemplate> procedure) {
   if (!procedure) return {};
   switch (*procedure) {
     case OsteotomyTemplate::kLeFort1:
-      return {.segment_mm = 5.0, .stationary_mm = 12.0};
+      return {.segment_mm = 5.0, .other_side_mm = 12.0};
     case OsteotomyTemplate::kLeFort2:
     case OsteotomyTemplate::kLeFort3:
-      return {.segment_mm = 8.0, .stationary_mm = 15.0};
+      return {.segment_mm = 8.0, .other_side_mm = 15.0};
     case OsteotomyTemplate::kGenioplasty:
-      return {.segment_mm = 3.0, .stationary_mm = 10.0};
+      return {.segment_mm = 3.0, .other_side_mm = 10.0};
     case OsteotomyTemplate::kSagittalSplit:
-      return {.segment_mm = 10.0, .stationary_mm = 10.0};
+      return {.segment_mm = 10.0, .other_side_mm = 10.0};
   }
   return {};
 }

@@ -15,12 +15,12 @@ namespace lefort::plan {
 /// Distances from the cut faces within which the surgeon elevates tissue [mm].
 struct ElevationMargins {
   double segment_mm = 8.0;     ///< On the segment, >= 0.
-  double stationary_mm = 8.0;  ///< On bone on the other side of the cut, >= 0.
+  double other_side_mm = 8.0;  ///< On bone on the other side of the cut, >= 0.
 };
 
 /// Margins of a procedure. docs/theory/interface.md has the table and the reasons; no measurements
-/// are known. The segment keeps a pedicle of soft tissue for its blood supply, so that less is
-/// elevated from it.
+/// are known. In Le Fort osteotomies and genioplasty the segment keeps a pedicle of soft tissue for
+/// its blood supply, so that less is elevated from it.
 ///
 /// \param procedure  none: margins of an osteotomy without a template.
 [[nodiscard]] ElevationMargins elevation_margins(std::optional<OsteotomyTemplate> procedure);

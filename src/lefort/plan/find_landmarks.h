@@ -51,8 +51,8 @@ struct LandmarkSearch {
 /// Finds the landmarks of bone, teeth and skin.
 ///
 /// 1. The mid-sagittal plane is the symmetry plane of the skull (fit_symmetry_plane()).
-/// 2. The other directions are those of the scan, normal to that plane; after a first search, those
-///    of the Frankfurt horizontal through Po and Or.
+/// 2. The other directions lie in that plane: those of the scan; after a first search, those of the
+///    Frankfurt horizontal through Po and Or.
 /// 3. Orbits and piriform aperture are the concavities of the skull seen from the front; the
 ///    pronasale is the most prominent point of the face. They bound the regions of the landmarks.
 /// 4. Each landmark is an extremum of a direction, or of the distance from a chord, within its

@@ -56,9 +56,9 @@ struct LandmarkKind {
 /// The axis towards the patient's left: the mean direction of the standard pairs from right to
 /// left, or x if there is no pair.
 ///
-/// If right and left were exchanged, the head would be upside down in a frame with this axis. The
-/// sides in the names are therefore compared with the frame L, whose x axis points to the patient's
-/// left.
+/// If right and left were exchanged, this axis would point to the patient's right, and the superior
+/// direction, computed from it and the anterior direction, would point down. The sides in the names
+/// are therefore compared with the frame L, whose x axis points to the patient's left.
 ///
 /// \param landmarks  of one head.
 /// \returns a unit vector; or kPlanInvalid, with the names of the landmarks, if

@@ -10,9 +10,10 @@
 namespace lefort::plan {
 
 /// Which pieces within the cut are fragments. Fragments do not belong to the segment: spicules,
-/// islands, and other bones that extend into the cut (the coronoid process into a midface). A piece
-/// smaller than either bound is a fragment and stays with the remainder. For a piece at an anchor
-/// point, only the volume counts.
+/// islands, and other bones that extend into the cut (the coronoid process into a midface). They
+/// stay with the remainder. Without anchor points, a piece smaller than either bound is a fragment.
+/// With anchor points, a piece on which one of them lies belongs to the segment if it has at least
+/// `min_piece_ml`; all other pieces are fragments.
 struct OsteotomyOptions {
   double min_piece_ml = 0.5;         ///< >= 0.
   double min_piece_fraction = 0.05;  ///< Of the largest piece's volume, 0 to 1.

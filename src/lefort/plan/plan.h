@@ -49,7 +49,8 @@ struct CutRegion {
 };
 
 /// The segment is the bone within `planes` and `curves`, for example the midface anterior to a
-/// coronal plane and below an axial one, and the bone within each of `additional_regions`.
+/// coronal plane and below an axial one, together with the bone within any one of
+/// `additional_regions`.
 ///
 /// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded
 /// planes or additional regions. The bone on the side of their normals is the segment. It must not

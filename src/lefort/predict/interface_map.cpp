@@ -175,7 +175,7 @@ class InterfaceRules {
   [[nodiscard]] bool is_elevated(const Vec3& p_L, std::int32_t bone) const {
     for (std::size_t k = 0; k < zones_.size(); ++k) {
       const plan::ElevationMargins& margins = zones_[k].margins;
-      const double margin_mm = bone == std::int32_t(k) ? margins.segment_mm : margins.stationary_mm;
+      const double margin_mm = bone == std::int32_t(k) ? margins.segment_mm : margins.other_side_mm;
       if (distance_mm(cuts_[k].get(), p_L, margin_mm) < margin_mm) return true;
     }
     return false;

@@ -40,7 +40,7 @@ struct WeightedContact {
 class Problem {
  public:
   /// \param prepared          must outlive the problem.
-  /// \param distance_queries  as Deck::obstacles.
+  /// \param distance_queries  one for each of Deck::obstacles, in the same order.
   /// \returns the problem at time 0, or what check_obstacles(), fem::make_element_terms(),
   ///   DeckLoads::build() and fem::DofMap::build() return.
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
@@ -66,7 +66,8 @@ class Problem {
         contact.term.set_pose(n, obstacles_[contact.obstacles[n]].X_LB);
   }
 
-  /// Rejects an equilibrium if an obstacle passed through faces within the increment.
+  /// Rejects an equilibrium if an obstacle without weighted gaps passed through faces within the
+  /// increment.
   void reject_passages(fem::NewtonOutcome& outcome) const {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
     for (std::size_t i = 0; i < contact_checks_.size() && outcome.converged(); ++i)
@@ -76,7 +77,8 @@ class Problem {
       }
   }
 
-  /// Largest fraction of a step of the displacements by which no face passes through an obstacle.
+  /// Largest fraction of a step of the displacements by which no face passes through an obstacle
+  /// with weighted gaps; 1 without one. reject_passages() checks the other obstacles.
   [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
     const std::vector<Vec3> dx_L =
@@ -107,8 +109,8 @@ class Problem {
   }
   [[nodiscard]] bool has_weighted_contact() const { return !weighted_.empty(); }
 
-  /// \returns the outcome kInadmissibleStart if an obstacle would pass through faces between the
-  ///   last equilibrium and `start`; nothing otherwise.
+  /// \returns the outcome kInadmissibleStart if an obstacle with weighted gaps would pass through
+  ///   faces between the last equilibrium and `start`; nothing otherwise.
   [[nodiscard]] std::optional<fem::NewtonOutcome> passage_at_start(const fem::LoadState& last,
                                                                    const VectorX& start) const {
     for (const WeightedContact& contact : weighted_) {
@@ -147,7 +149,7 @@ class Problem {
         elements_(std::move(elements)),
         loads_(std::move(loads)),
         obstacles_(make_obstacles(distance_queries)),
-        contact_obstacles_(obstacles_with_points(prepared)),
+        contact_obstacles_(obstacles_without_weighted_gaps(prepared)),
         contacts_(make_contacts(prepared, contact_obstacles_, distance_queries)),
         weighted_(make_weighted_contacts(prepared, obstacles_)),
         contact_checks_(make_contact_checks(prepared, contact_obstacles_, obstacles_)),
@@ -161,8 +163,8 @@ class Problem {
     return obstacles;
   }
 
-  /// Obstacles whose contact is integrated at points.
-  static std::vector<std::size_t> obstacles_with_points(const PreparedDeck& prepared) {
+  /// Indices of the obstacles without weighted gaps.
+  static std::vector<std::size_t> obstacles_without_weighted_gaps(const PreparedDeck& prepared) {
     std::vector<std::size_t> obstacles;
     for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i)
       if (prepared.deck.obstacles[i].integration != contact::Integration::kWeighted)
@@ -204,7 +206,7 @@ class Problem {
   ElementTerms elements_;
   DeckLoads loads_;
   std::vector<contact::RigidObstacle> obstacles_;  ///< At their current poses.
-  std::vector<std::size_t> contact_obstacles_;     ///< Of each of contacts_.
+  std::vector<std::size_t> contact_obstacles_;     ///< Of each of contacts_: index of its obstacle.
   std::vector<contact::ContactTerm> contacts_;
   std::vector<WeightedContact> weighted_;
   std::vector<ContinuousContactCheck> contact_checks_;

@@ -32,9 +32,9 @@
 /// the element: a single layer would bend far too easily. The part of U with the bulk modulus
 /// kPointwiseBulkFactor times the shear modulus therefore stays at the points. (Selective reduced
 /// integration, \cite malkus1978, averages lambda only, which leaves 2/3 of the shear modulus.) The
-/// fraction is smaller in the interior, where it must not make a compressed block stiffer
-/// (tests/fem/test_compressed_block.cpp), and larger in a single layer, which then bends like a
-/// beam within 10 %, and within 20 % for wedge15 near nu = 0.5 (docs/theory/locking.md).
+/// factor is smaller in parts more than one layer thick, where it must not make a compressed block
+/// stiffer (tests/fem/test_compressed_block.cpp), and larger in a single layer, which then bends
+/// like a beam within 10 %, and within 20 % for wedge15 near nu = 0.5 (docs/theory/locking.md).
 /// Wedge15 with a linear average locks. Hex20 with a constant average is less accurate.
 ///
 /// **tet4 and wedge6 in bending.** They are too stiff even if volume may change. Their strain

@@ -15,8 +15,8 @@ namespace lefort::field {
 /// Crossings of the surface with lines along x; one line serves up to four rows of lattice points.
 ///
 /// The lines have an offset of a fraction of a cell from the points, so that they do not hit edges
-/// of surfaces that follow the lattice. So results are valid for points further than a cell from
-/// the surface only, and only those need them.
+/// of surfaces that follow the lattice. Therefore results are valid only for points further than a
+/// cell from the surface. No other point needs a winding number.
 class WindingScanlines {
  public:
   /// \param mesh_B  the surface. \pre closed: each edge has equally many triangles in both

@@ -144,7 +144,7 @@ Result<Octree> Octree::decode(int resolution, std::string_view codes, Index max_
   if (decoder.samples_left < 0)
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("the octree has more than {} samples, the number in the "
-                            "are",
+                            "file",
                             max_samples));
   if (!is_tree)
     return fail(ErrorCode::kFileCorrupt,

@@ -35,10 +35,12 @@ struct Rescale {
 ///
 /// \param slices  headers of one series, in any order.
 /// \returns the stack, or
-///   - kFileUnsupported  a position tag is missing, a file has several frames or colors, or the
-///                       gantry tilt is impossible;
-///   - kFileCorrupt      slices differ in size, spacing or orientation, have equal positions, are
-///                       missing, unevenly spaced or displaced sideways.
+///   - kFileUnsupported  there are fewer than two slices, a position tag is missing, a file has
+///                       several frames or colors or too many pixels, slices with several distances
+///                       are more than 5 mm apart, or the gantry tilt is impossible;
+///   - kFileCorrupt      image axes are not orthogonal unit vectors; slices differ in size, spacing
+///                       or orientation, have equal positions, are missing, unevenly spaced or
+///                       displaced sideways.
 /// \note Unless resampled, the slices of the grid are equidistant, with distance and position from
 ///   a least-squares fit: the deviation of a slice is at most 0.1 slice distances along the normal
 ///   and half a pixel in its plane.

@@ -36,7 +36,7 @@ struct HounsfieldCount {
 }
 
 /// Returns warnings about changed values, about values that are probably not in HU, and about
-/// tissue at the boundary of the field of view within the grid.
+/// tissue that is cut off inside the grid, where the field of view ends and padding begins.
 [[nodiscard]] std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
                                                            const image::CtVolume& ct);
 

@@ -14,8 +14,8 @@ namespace lefort::io::internal {
 
 /// Renames the deprecated keys and values of a plan or deck that is not yet checked.
 ///
-/// \returns a warning for each name that occurs, as `boundary.contact_snap_mm is deprecated, use
-///   contact_snap_mm`; kPlanInvalid where an object has a key under both names.
+/// \returns a warning for each name that occurs, as `boundary.scan_edge is deprecated, use
+///   scan_boundary`; kPlanInvalid where an object has a key under both names.
 [[nodiscard]] Result<std::vector<std::string>> rename_deprecated(nlohmann::json& json,
                                                                  const DeprecatedNames& names);
 
