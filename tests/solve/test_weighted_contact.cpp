@@ -1,6 +1,8 @@
 #include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/solve/prepare_deck.h>
+#include <lefort/solve/problem.h>
 #include <lefort/solve/run_deck.h>
 
 #include <gtest/gtest.h>
@@ -75,6 +77,28 @@ TEST_P(ContactPatchTest, AFlatPlateLeavesAUniformState) {
   }
 }
 
+TEST(WeightedContact, ObstaclesOfOneTermHaveTheSameStiffnessAndSnapDistance) {
+  const auto number_of_terms = [](double stiffness_mpa_per_mm, double contact_snap_mm) {
+    Deck deck;
+    deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.3).value(), 0.0});
+    deck.displacements = {prescribe("z0", 0.0, 0.0, 0.0)};
+    deck.obstacles = {obstacle({geometry::Keyframe{}}), obstacle({geometry::Keyframe{}})};
+    deck.obstacles[0].stiffness_mpa_per_mm = 0.1;
+    deck.obstacles[1].name = "other bone";
+    deck.obstacles[1].stiffness_mpa_per_mm = stiffness_mpa_per_mm;
+    deck.obstacles[1].contact_snap_mm = contact_snap_mm;
+    const PreparedDeck prepared =
+        prepare_deck(test::box_mesh({.cells = {2, 2, 2}, .size_mm = {9, 9, 6}}), deck).value();
+    const auto query = queries(test::make_box({-8, -8, 6}, {18, 18, 14}), 3.0, 32)[0];
+    const std::vector<contact::RigidObstacle> bones(2, {.distance_query_B = query});
+    return make_weighted_contacts(prepared, bones).size();
+  };
+  const double snap_mm = Obstacle{}.contact_snap_mm;
+  EXPECT_EQ(number_of_terms(0.1, snap_mm), 1U);
+  EXPECT_EQ(number_of_terms(0.2, snap_mm), 2U);
+  EXPECT_EQ(number_of_terms(0.1, snap_mm + 0.1), 2U);
+}
+
 geometry::RigidPath path_of(const Deck& deck) { return deck.obstacles[0].path; }
 
 struct Pressed {
@@ -82,7 +106,7 @@ struct Pressed {
   Index iterations = 0;
 };
 
-/// Issue 22: ball of 10 mm pressed 5 mm into a block, 8 mm off its middle.
+/// Ball of 10 mm pressed 5 mm into a block, 8 mm off its middle.
 Pressed press_ball(int increments) {
   Deck deck;
   deck.laws.push_back(

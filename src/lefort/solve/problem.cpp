@@ -14,7 +14,12 @@ std::vector<WeightedContact> make_weighted_contacts(
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (prepared.deck.obstacles[i].integration != contact::Integration::kWeighted) continue;
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
-      return prepared.obstacle_faces[group[0]] == prepared.obstacle_faces[i];
+      const std::size_t first = group[0];
+      return prepared.obstacle_faces[first] == prepared.obstacle_faces[i] &&
+             prepared.obstacle_stiffness_mpa_per_mm[first] ==
+                 prepared.obstacle_stiffness_mpa_per_mm[i] &&
+             prepared.deck.obstacles[first].contact_snap_mm ==
+                 prepared.deck.obstacles[i].contact_snap_mm;
     });
     if (same == groups.end())
       groups.push_back({i});

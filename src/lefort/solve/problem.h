@@ -25,8 +25,8 @@ namespace lefort::solve {
 
 using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 
-/// Contact by weighted gaps with all obstacles that have the same list of faces. Stiffness and
-/// contact snap distance are those of the first of them.
+/// Contact by weighted gaps with all obstacles that have the same list of faces, stiffness and
+/// contact snap distance.
 struct WeightedContact {
   std::vector<std::size_t> obstacles;
   contact::MortarContactTerm term;
