@@ -19,9 +19,9 @@ struct RigidFit {
 /// Least-squares fit over rotations and translations, without reflections \cite umeyama1991.
 ///
 /// \param from, to  equally many points, three or more, in the same order [mm].
-/// \returns the fit, or kInvalidArgument if there are fewer than three points, their numbers
-///   differ, one is not finite, or `from` or `to` are collinear within 1 % of their spread, so that
-///   the rotation is not determined.
+/// \returns the fit, or kInvalidArgument if there are fewer than three points, the sizes of `from`
+///   and `to` differ, a point is not finite, or `from` or `to` are collinear within 1 % of their
+///   spread, so that the rotation is not determined.
 [[nodiscard]] Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to);
 
 }  // namespace lefort::geometry
