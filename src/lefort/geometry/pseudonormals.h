@@ -18,8 +18,8 @@ namespace lefort::geometry {
 /// where a surface touches itself: at vertices with several fans of triangles and at edges with
 /// four triangles.
 ///
-/// Pseudonormals of most edges and vertices are computed on demand: they would need more memory than
-/// the surface, and only few are used.
+/// Pseudonormals of most edges and vertices are computed on demand: they would need more memory
+/// than the surface, and only few are used.
 class Pseudonormals {
  public:
   Pseudonormals() = default;
