@@ -27,7 +27,7 @@ namespace lefort::image {
 /// \param origins_L  center of the first pixel of each slice [mm], ascending along the normal.
 /// \param grid       from straight_grid().
 /// \param outside    value of voxels that no slice covers [HU].
-/// \note Before the first and after the last slice the values of that slice are used. All values
+/// \note Before the first and after the last slice the values of that slice are used. Values
 ///   are limited to -1024 to 3071 HU.
 [[nodiscard]] CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> origins_L,
                                             const Grid& grid, std::int16_t outside);
