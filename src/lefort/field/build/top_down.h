@@ -16,8 +16,8 @@ namespace lefort::field {
 /// reproduces every point of the finest lattice in it within the tolerance, or it is one cell \cite
 /// frisken2000. Cubes outside the band are not split.
 ///
-/// Distances are exact; each takes one query of a bounding volume hierarchy. Within the cube that
-/// one thread refines, each lattice point is computed once.
+/// Distances are exact; each takes one query of a bounding volume hierarchy. Within a cube of 16
+/// cells per edge, which one thread refines, each lattice point is computed once.
 ///
 /// \param surface   to be sampled.
 /// \param frame     lattice of the field.

@@ -29,7 +29,8 @@ struct FieldSlice {
   Vec3 right_B, down_B;  ///< Unit, along axes.
   double pixel_mm = 0.0;
   int columns = 0, rows = 0;
-  std::vector<double> distances_mm{};  ///< +-infinity outside the band, NaN if unknown.
+  /// By row from the top, columns from the left; values as of DistanceField::distances().
+  std::vector<double> distances_mm{};
 
   /// Center of a pixel.
   [[nodiscard]] Vec3 place(double column, double row) const {
@@ -58,8 +59,9 @@ inline constexpr int kMaxSliceSide = 16'000;
 ///
 /// \param field    to be evaluated.
 /// \param options  plane and resolution.
-/// \returns the slice; or kInvalidArgument as slice_extent(), if there are more than kMaxSliceSide
-///   pixels along an edge, or if `smooth` is set and the field is not smooth.
+/// \returns the slice; or kInvalidArgument as slice_extent(), if pixel_mm is not positive or gives
+///   more than kMaxSliceSide pixels along an edge, or if `smooth` is set and the field is not
+///   smooth.
 [[nodiscard]] Result<FieldSlice> slice_field(const DistanceField& field,
                                              const SliceOptions& options);
 
