@@ -9,7 +9,7 @@
 
 namespace lefort::mesh::internal {
 
-/// A face between two elements, numbered through all blocks.
+/// A face between two elements; elements are numbered through all blocks.
 struct InnerFace {
   Face face;  ///< Counter-clockwise seen from outside the first element.
   Index first = 0, second = 0;
