@@ -22,7 +22,7 @@ struct SymmetricEigen {
 [[nodiscard]] SymmetricEigen<6> symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
 
 /// \param diagonal     of a symmetric tridiagonal matrix. \pre the matrix is not zero.
-/// \param subdiagonal  below it.
+/// \param subdiagonal  entries below the diagonal.
 [[nodiscard]] SymmetricEigen<4> tridiagonal_eigen(const Eigen::Vector4d& diagonal,
                                                   const Vec3& subdiagonal);
 
