@@ -47,7 +47,7 @@ class LinearSolver {
   /// (the rigid-body modes). kMultigrid requires them; without them kAutomatic is direct.
   ///
   /// \param points_L    where each row acts, in the reference configuration [mm].
-  /// \param components  axis along which it acts, 0 to 2; equally many.
+  /// \param components  axis along which it acts, 0 to 2; as many as points.
   void set_near_null_space(std::vector<Vec3> points_L, std::vector<std::int32_t> components);
 
   /// Prepares for solving with A.
@@ -72,7 +72,7 @@ class LinearSolver {
   /// \param A              as in factorize().
   /// \param b              right-hand side.
   /// \param tolerance      as in solve().
-  /// \param on_factorized  called between factorization and solution; may be empty.
+  /// \param on_factorized  called after each factorization, before the solution; may be empty.
   /// \returns as factorize() and solve().
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(
       const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
