@@ -13,7 +13,7 @@ struct RigidFit {
   RigidTransform X_to_from = RigidTransform::Identity();  ///< Maps `from` to `to`.
   double rms_mm = 0.0;           ///< Root mean square of the residual distances.
   double max_residual_mm = 0.0;  ///< Largest residual distance.
-  Index max_residual_index = 0;  ///< The point that has it.
+  Index max_residual_index = 0;  ///< Number of the point with this distance.
 };
 
 /// Least-squares fit over rotations and translations, without reflections \cite umeyama1991.
