@@ -68,7 +68,7 @@ inline constexpr int kMaxSliceSide = 16'000;
 /// Statistics of a slice.
 struct SliceSummary {
   SampleCount pixels{};
-  double inside_mm2 = 0.0;  ///< Area of pixels inside, both in the band and beyond it.
+  double inside_mm2 = 0.0;  ///< Area of pixels inside the surface, in and beyond the band.
   double min_mm = 0.0;      ///< Of distances in the band; 0 without any.
   double max_mm = 0.0;
   double zero_line_mm = 0.0;  ///< Length of the zero contour.
