@@ -15,8 +15,8 @@ struct TetOptions {
   /// Circumradius bound of elements and boundary faces: from the edge of a cube of 1 / 3e7 of the
   /// box volume to the longest edge of the box.
   double element_size_mm = 3.0;
-  /// If set, replaces element_size_mm where it is smaller, but by at least 0.02 element_size_mm;
-  /// maps points in L to mm > 0.
+  /// If set, replaces element_size_mm where it is smaller; maps points in L to mm > 0. Values below
+  /// 0.02 element_size_mm count as 0.02 element_size_mm.
   std::function<double(const Vec3&)> size_at_mm = {};
   /// Largest distance of a boundary face from the surface, >= 0.001 element_size_mm.
   double surface_distance_mm = 0.4;
