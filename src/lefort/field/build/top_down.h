@@ -13,8 +13,8 @@
 namespace lefort::field {
 
 /// Splits a cube, beginning with the whole domain, until trilinear interpolation from its corners
-/// reproduces the distance at every point of the finest lattice in the cube within the tolerance, or
-/// the cube is one cell \cite frisken2000. Cubes without a point of the band are not split.
+/// reproduces the distance at every point of the finest lattice in the cube within the tolerance,
+/// or the cube is one cell \cite frisken2000. Cubes without a point of the band are not split.
 ///
 /// Distances are exact; each takes one query of a bounding volume hierarchy. Within a cube of 16
 /// cells per edge, which one thread refines, each lattice point is computed once.
