@@ -26,7 +26,7 @@ namespace lefort::image {
 ///   slices.grid are those of straight_grid(); its origin and spacing along k are not used.
 /// \param origins_L  center of the first pixel of each slice [mm], ascending along the normal.
 /// \param grid       from straight_grid().
-/// \param outside    value of voxels that no slice covers [HU].
+/// \param outside    value of voxels that one of the two adjacent slices does not cover [HU].
 /// \note Before the first and after the last slice the values of that slice are used. Values
 ///   are limited to -1024 to 3071 HU.
 [[nodiscard]] CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> origins_L,
