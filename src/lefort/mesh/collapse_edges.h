@@ -18,7 +18,7 @@ namespace lefort::mesh {
 /// the one that rotates the boundary least is collapsed; if there is none, the one that leaves the
 /// highest quality.
 ///
-/// \param mesh  one block of kTet4 with positive volumes, without sets and hinges
+/// \param mesh                 one block of kTet4 with positive volumes, without sets and hinges
 ///   (mesh/largest_face_connected_part.h). Unused nodes are removed, the others keep their order
 ///   and position.
 /// \param min_scaled_jacobian  quality below which an element is removed.
