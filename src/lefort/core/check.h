@@ -1,5 +1,5 @@
 /// \file
-/// Assertions for programming errors. No input can trigger one; errors in data are Results
+/// Assertions for programming errors. No input can violate an assertion; errors in data are Results
 /// (error.h).
 #pragma once
 

@@ -1,7 +1,8 @@
 /// \file
 /// Decompositions of small matrices, compiled once.
 ///
-/// Eigen compiles a decomposition again in each unit that uses it, for one to three seconds each.
+/// A decomposition of Eigen is a template: each source file that uses one compiles one to three
+/// seconds longer.
 /// Methods: \cite golub2013, chapters 3 (LU) and 8 (symmetric eigenvalues, singular values).
 #pragma once
 
@@ -20,8 +21,8 @@ struct SymmetricEigen {
 [[nodiscard]] SymmetricEigen<3> symmetric_eigen(const Mat3& A);
 [[nodiscard]] SymmetricEigen<6> symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
 
-/// \param diagonal     of a symmetric tridiagonal matrix.
-/// \param subdiagonal  below it.
+/// \param diagonal     of a symmetric tridiagonal matrix. \pre the matrix is not zero.
+/// \param subdiagonal  entries below the diagonal.
 [[nodiscard]] SymmetricEigen<4> tridiagonal_eigen(const Eigen::Vector4d& diagonal,
                                                   const Vec3& subdiagonal);
 
@@ -40,8 +41,8 @@ struct SingularValues {
 /// \returns x with A x = b, by LU with row pivoting; not finite if A is singular.
 [[nodiscard]] Vec3 solve_by_lu(const Mat3& A, const Vec3& b);
 
-/// \returns x with A x = b, by LU with full pivoting. If A is singular, the null space of A gets no
-///   part of x.
+/// \returns x with A x = b, by LU with full pivoting. If A is singular, the components of x without
+///   a pivot are zero.
 [[nodiscard]] Eigen::Vector2d solve_by_full_lu(const Eigen::Matrix2d& A, const Eigen::Vector2d& b);
 
 }  // namespace lefort

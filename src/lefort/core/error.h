@@ -20,15 +20,15 @@ enum class ErrorCode {
   kFileUnsupported,  ///< The format of an input is not supported.
   kFileUnwritable,   ///< An output could not be written: permission, disk full.
   kPlanInvalid,      ///< The plan violates its schema or is inconsistent.
-  kMeshInvalid,      ///< A surface is empty, open, or not orientable where it must be.
-  kAnatomyMissing,   ///< A required tissue is not in the scan.
+  kMeshInvalid,      ///< A surface or volume mesh is invalid, for example empty or not closed.
+  kAnatomyMissing,   ///< A required tissue or part of the anatomy was not found.
   kCutMissesBone,    ///< An osteotomy does not divide the bone.
   kMeshingFailed,    ///< No valid volume mesh was generated.
   kElementInverted,  ///< An element has no positive volume.
   kStepBeyondBand,   ///< A bone moves further in one step than its distance band covers.
   kNotConverged,     ///< The solver found no equilibrium.
   kCancelled,        ///< The user asked to stop.
-  kOutOfMemory,      ///< The problem is larger than the memory of this machine.
+  kOutOfMemory,      ///< The problem needs more memory than available or allowed.
 
   kAccessDenied,      ///< A server rejects the user name or password.
   kConnectionFailed,  ///< A server cannot be reached or trusted, or the connection was lost.
@@ -47,7 +47,7 @@ using Result = tl::expected<T, Error>;
 /// The error as a return value.
 ///
 /// \param code     kind of the error.
-/// \param message  as described above.
+/// \param message  as described at the top of this file.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }

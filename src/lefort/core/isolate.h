@@ -7,7 +7,8 @@
 namespace lefort {
 
 /// Calls body(). While the thread waits for a parallel loop inside body(), it executes no iteration
-/// of a loop outside: that might take long and delay the code after the inner loop.
+/// of a loop outside body(): such an iteration might take long and delay the code after the inner
+/// loop.
 ///
 /// \param body  is called once, in the calling thread.
 void isolate(const std::function<void()>& body);

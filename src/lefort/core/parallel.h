@@ -20,11 +20,11 @@
 
 namespace lefort {
 
-/// Iterations per block. It affects results: sums are computed block by block.
+/// Iterations per block. This number affects results: sums are computed block by block.
 inline constexpr Index kParallelBlock = 256;
 
-/// Limits the threads of every parallel loop of the process during its lifetime. Of several limits
-/// the smallest one holds.
+/// While it exists, limits the threads of every parallel loop of the process. Of several limits the
+/// smallest one applies.
 class ThreadLimit {
  public:
   /// \param threads  >= 0; 0: no limit.

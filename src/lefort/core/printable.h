@@ -1,5 +1,5 @@
 /// \file
-/// Text of files and libraries for a terminal or a log.
+/// Makes text from files and libraries safe to print to a terminal or a log.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@ class Progress {
  public:
   virtual ~Progress() = default;
 
-  /// A named stage begins, for example "mesh the soft tissue"; it ends the stage before.
+  /// A named stage begins, for example "mesh the soft tissue"; this ends the previous stage.
   virtual void begin_stage(std::string_view /*name*/) {}
 
   /// Fraction of the current stage that is done, 0 to 1. Called only in the thread that called the

@@ -24,9 +24,10 @@ namespace lefort::field {
 /// A distance field: immutable, cheap to move, safe for queries from several threads.
 ///
 /// The zone of sample() is kBand where all samples around the point are known and not in conflict:
-/// at least up to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. That
-/// of sample_smooth() is kBand where its distance is at most band_mm(). Cells are kUnknown where
-/// the surface is open or inconsistently oriented, so that samples are in conflict.
+/// at least up to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. The
+/// zone of sample_smooth() is kBand where the magnitude of its distance is at most band_mm(). Cells
+/// are kUnknown where the surface is open or inconsistently oriented, so that samples are in
+/// conflict.
 class DistanceField {
  public:
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;
@@ -53,7 +54,8 @@ class DistanceField {
   /// The same for several points; several times as fast per point. \pre as many results as points.
   void sample(std::span<const Vec3> p_B, std::span<FieldSample> results) const;
 
-  /// Distances only [mm]: beyond the band +infinity outside and -infinity inside; NaN if unknown.
+  /// Distances only [mm]: beyond the band +infinity outside the surface and -infinity inside it;
+  /// NaN if unknown.
   /// \pre as many results as points.
   void distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const;
 
@@ -84,7 +86,8 @@ class DistanceField {
   [[nodiscard]] std::size_t sample_bytes() const;
   [[nodiscard]] std::size_t smooth_bytes() const { return smooth_ ? smooth_->bytes() : 0; }
 
-  /// The samples around the cell with lowest corner `low`, 0 <= low < resolution.
+  /// The samples at the corners of the cell with lowest corner `low`, 0 <= low < resolution; of an
+  /// octree, those at the corners of the leaf that contains this cell.
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
 
  private:

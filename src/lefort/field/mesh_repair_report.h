@@ -24,7 +24,7 @@ struct MeshRepairReport {
 /// Properties of the surface a field was built from.
 struct FieldSource {
   Index triangles = 0;  ///< After repair.
-  Index parts = 0;      ///< Connected components.
+  Index parts = 0;      ///< Components, connected by edges.
   MeshRepairReport report{};
 
   bool operator==(const FieldSource&) const = default;

@@ -78,7 +78,7 @@ class Bvh {
   struct Node {
     Vec3 low, high;
     std::int32_t first;  ///< Leaf: first position in order_. Branch: second child.
-    std::int32_t count;  ///< Leaf: number of triangles. Branch: 0; its first child follows it.
+    std::int32_t count;  ///< Leaf: number of triangles. Branch: 0; the first child is next.
   };
 
   void build(const std::vector<Vec3>& centers, std::int32_t begin, std::int32_t end);

@@ -44,8 +44,8 @@ struct TrianglePoint {
 [[nodiscard]] TrianglePoint closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
                                                       const Vec3& c);
 
-/// Triangles whose height is below this fraction of their longest edge have no usable normal:
-/// rounding of coordinates may reverse it. Their edges represent them to the same accuracy.
+/// Triangles whose height is at most this fraction of their longest edge have no usable normal:
+/// rounding of coordinates may reverse the normal. Their edges represent them to the same accuracy.
 inline constexpr double kDegenerateHeightRatio = 1e-7;
 
 /// True if the height of the triangle (a, b, c) is at most kDegenerateHeightRatio times its longest

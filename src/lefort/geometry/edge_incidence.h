@@ -23,7 +23,7 @@ struct HalfEdge {
 /// The half-edges of all triangles, grouped by edge. An edge may have any number of them.
 class EdgeIncidence {
  public:
-  /// \param mesh  any triangle soup. \pre its vertex numbers are in range.
+  /// \param mesh  any triangle soup. \pre its vertex numbers are valid.
   explicit EdgeIncidence(const TriangleMesh& mesh);
 
   /// Calls body(smaller_end, larger_end, half_edges) for each edge whose smaller vertex number is

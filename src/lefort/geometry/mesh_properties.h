@@ -13,11 +13,12 @@
 
 namespace lefort::geometry {
 
-/// Checks the requirements of all functions on surfaces.
+/// Checks that a surface is usable.
 ///
 /// \param mesh  any triangle soup.
-/// \returns kMeshInvalid if `mesh` has no triangle, a triangle names a vertex that does not exist,
-///   or a coordinate is not a finite number below 1e6 mm (the message names the first one).
+/// \returns kMeshInvalid if `mesh` has no triangle, more than 2^31 / 3 triangles or vertices, a
+///   triangle with a vertex that does not exist, or a coordinate that is not finite or has a
+///   magnitude of 1e6 mm or more (the message names the first one).
 [[nodiscard]] Result<void> check_surface(const TriangleMesh& mesh);
 
 /// Bounding box of all vertices that triangles use.
@@ -74,7 +75,7 @@ struct Components {
 [[nodiscard]] TriangleMesh keep_components(const TriangleMesh& mesh,
                                            const std::function<bool(const TriangleMesh&)>& keep);
 
-/// Merges vertices at bitwise equal positions; drops triangles that then repeat a vertex, and
+/// Merges vertices at exactly equal positions; drops triangles that then repeat a vertex, and
 /// vertices that no triangle uses. Order is kept.
 [[nodiscard]] TriangleMesh weld_vertices(const TriangleMesh& mesh);
 

@@ -18,7 +18,7 @@ namespace lefort::geometry {
 /// where a surface touches itself: at vertices with several fans of triangles and at edges with
 /// four triangles.
 ///
-/// Pseudonormals of edges and of most vertices are computed on demand: they would need more memory
+/// Pseudonormals of most edges and vertices are computed on demand: they would need more memory
 /// than the surface, and only few are used.
 class Pseudonormals {
  public:
@@ -27,9 +27,9 @@ class Pseudonormals {
   /// Accepts any triangle soup: open, non-manifold, with triangles without area.
   ///
   /// Vertices are identified by number, so call weld_vertices() first if positions repeat. A
-  /// triangle without area has no normal; at its edges and corners it takes that of the triangle
-  /// beyond it, so that caps and needles of a triangulation do not change the signs of their
-  /// neighbors.
+  /// triangle without area has no normal; at its edges and corners the normal of the triangle
+  /// beyond it is used instead, so that caps and needles of a triangulation do not change the signs
+  /// of their neighbors.
   ///
   /// \param mesh   the surface.
   /// \param sides  its half-edges.
@@ -38,10 +38,10 @@ class Pseudonormals {
   Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides);
 
   /// Pseudonormal of a feature. Face: unit normal, zero without area. Edge: sum of the unit normals
-  /// of its faces. Vertex: unit vector, or zero where normals cancel (\cite lefort-paper,
-  /// equation 1).
+  /// of its faces. Vertex: unit vector (\cite lefort-paper, equation 1). Zero where the normals of
+  /// an edge or a vertex cancel.
   ///
-  /// \param mesh      the surface this was computed from.
+  /// \param mesh      the surface given to the constructor.
   /// \param triangle  number of a triangle at the feature.
   /// \param feature   of that triangle.
   [[nodiscard]] Vec3 at(const TriangleMesh& mesh, Index triangle, Feature feature) const;

@@ -13,7 +13,7 @@ namespace lefort::geometry {
 
 /// Pose at one path fraction: rotation about `center_L`, then translation.
 struct Keyframe {
-  double path_fraction = 1.0;          ///< Path fraction, 0 to 1.
+  double path_fraction = 1.0;          ///< Path fraction, > 0, <= 1.
   Vec3 translation_mm = Vec3::Zero();  ///< In L.
   Vec3 rotation_rad = Vec3::Zero();    ///< Rotation vector (axis times angle) in L.
   Vec3 center_L = Vec3::Zero();        ///< Fixed point of the rotation [mm].
@@ -46,8 +46,8 @@ struct RigidPath {
 /// The pose of the segment at a path fraction.
 ///
 /// Between keyframes the orientation changes at a constant rate about one axis, by the smaller
-/// angle, while the center of the later keyframe moves along a straight line, or both follow the
-/// screw motion (geometry/rigid_motion.h).
+/// angle. The center of the later keyframe moves along a straight line (kStraight), or the segment
+/// follows the screw motion (kScrew; geometry/rigid_motion.h).
 ///
 /// \param path           passes check_path().
 /// \param path_fraction  0 to 1; 0 is the scanned pose, and poses at keyframes are exact.
@@ -61,7 +61,7 @@ struct RigidPath {
 [[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths,
                                                    double path_fraction);
 
-/// Number of steps for several segments that move simultaneously: the largest of their paths.
+/// Number of steps for several segments that move simultaneously: the maximum over their paths.
 ///
 /// \param paths  one or more.
 [[nodiscard]] int steps_of(std::span<const RigidPath> paths);

@@ -14,26 +14,26 @@ namespace lefort::geometry {
 
 /// The crossings of a regular grid of parallel lines with a surface.
 ///
-/// The lines are parallel to one coordinate axis; rows and columns follow the other two in cyclic
-/// order: of axis y, columns along z and rows along x. For a closed surface the crossings of a line
-/// alternate between entry and exit.
+/// The lines are parallel to one coordinate axis; columns and rows follow the other two in cyclic
+/// order: for axis y the column number increases with z, the row number with x. For a closed
+/// surface within the window the crossings of a line alternate between entry and exit.
 class SurfaceColumns {
  public:
   /// \param mesh      the surface.
   /// \param axis      0 to 2: x, y or z.
   /// \param window    crossings outside this box are omitted.
-  /// \param pixel_mm  distance of the lines, > 0.
+  /// \param pixel_mm  distance between adjacent lines, > 0.
   SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& window, double pixel_mm);
 
   /// The coordinates of all crossings of the line closest to `p`, in ascending order; empty outside
   /// the window.
   [[nodiscard]] std::span<const double> crossings(const Vec3& p) const;
-  /// The crossing of the smallest coordinate on the line closest to `p`.
+  /// The crossing with the smallest coordinate on the line closest to `p`.
   [[nodiscard]] std::optional<Vec3> first(const Vec3& p) const;
-  /// The crossing of the largest coordinate on the line closest to `p`.
+  /// The crossing with the largest coordinate on the line closest to `p`.
   [[nodiscard]] std::optional<Vec3> last(const Vec3& p) const;
 
-  /// The first or last crossings of all lines within a box, row by row.
+  /// The first, or the last, crossing of each line, where it lies in `box`; row by row.
   [[nodiscard]] std::vector<Vec3> first_within(const Box3& box) const;
   [[nodiscard]] std::vector<Vec3> last_within(const Box3& box) const;
 

@@ -19,18 +19,18 @@ struct SymmetryPlane {
 /// Mirrors the points, pairs each with the closest point of the surface, fits the plane to the
 /// pairs, and repeats: iterated closest points for a reflection.
 ///
-/// The plane of a set of pairs x, y is the one of the smallest sum of w |S x - y|^2, S being the
-/// reflection. It passes through the mean g of all points, and its normal is the eigenvector of
+/// The plane of a set of pairs x, y minimizes the sum of w |S x - y|^2, where S is the reflection.
+/// The plane passes through the weighted mean g of all x and y. Its normal is the eigenvector of
 /// the smallest eigenvalue of the symmetric part of the sum of w (x - g)(y - g)^T
 /// \cite combes2008. This converges slowly on smooth surfaces. After ten iterations the distance of
-/// S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are Tukey's, of
-/// a width that follows the median distance, so that up to half of the points may have no
-/// counterpart.
+/// S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are Tukey's,
+/// with a width proportional to the median distance (at least 1 mm), so that up to half of the
+/// points may have no counterpart.
 ///
 /// \param surface  of a head or a bone.
 /// \param points   on the surface, 100 or more.
 /// \param start    an initial plane, within about 10 degrees.
-/// \returns the plane. Without convergence in 60 iterations, that of the last one.
+/// \returns the plane. Without convergence in 60 iterations, the plane of the last one.
 /// \note Same bits for any number of threads.
 [[nodiscard]] SymmetryPlane fit_symmetry_plane(const Bvh& surface, std::span<const Vec3> points,
                                                const SymmetryPlane& start);

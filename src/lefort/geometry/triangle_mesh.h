@@ -13,7 +13,7 @@ namespace lefort::geometry {
 /// Vertex numbers, counter-clockwise seen from outside.
 using Triangle = std::array<std::int32_t, 3>;
 
-/// Any triangle soup; functions that need a closed or oriented surface check it and document it.
+/// Any triangle soup; functions that need a closed or oriented surface document and check this.
 struct TriangleMesh {
   std::vector<Vec3> vertices;  ///< [mm], in the frame that the name of the variable states.
   std::vector<Triangle> triangles;

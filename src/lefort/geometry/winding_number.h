@@ -7,7 +7,7 @@
 namespace lefort::geometry {
 
 /// Winding number of `surface` around p: 1 inside a closed surface that is oriented outward, 0
-/// outside, a value between near a hole of an open surface. It is the sum of the solid angles of
+/// outside, between 0 and 1 near a hole of an open surface. It is the sum of the solid angles of
 /// the triangles divided by 4 pi \cite vanoosterom1983.
 ///
 /// The time is proportional to the number of triangles. The result is also valid where the surface

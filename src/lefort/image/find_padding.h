@@ -24,7 +24,7 @@ struct Padding {
 /// \param ct         the scan.
 /// \param tissue_hu  voxels of at least this CT number are patient [HU].
 /// \returns the padding, with the value of the first voxel of the middle slice; its fraction is 0
-///   if there is none.
+///   if this voxel is patient.
 [[nodiscard]] Padding find_padding(const CtVolume& ct, double tissue_hu);
 
 }  // namespace lefort::image

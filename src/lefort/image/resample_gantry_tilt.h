@@ -9,7 +9,7 @@
 
 namespace lefort::image {
 
-/// The regular grid that covers a stack of slices: as wide as all of them together.
+/// The regular grid that covers a stack of slices: wide enough for all of them.
 ///
 /// \param slice            one slice: size, spacing and direction along i and j; k is the normal.
 /// \param origins_L        center of the first pixel of each slice [mm].
@@ -22,12 +22,13 @@ namespace lefort::image {
 /// The values of the slices on `grid`: within a slice by cubic convolution \cite keys1981, which
 /// preserves the density of thin bone, between slices by linear interpolation.
 ///
-/// \param slices     their values one after another; the directions and in-plane spacing of its
-///   grid are those of straight_grid(), its origin and spacing along k are not used.
+/// \param slices     two or more, one after another. The directions and the in-plane spacing of
+///   slices.grid are those of straight_grid(); its origin and spacing along k are not used.
 /// \param origins_L  center of the first pixel of each slice [mm], ascending along the normal.
 /// \param grid       from straight_grid().
-/// \param outside    value of voxels that no slice covers [HU].
-/// \note Before the first and after the last slice the values of that slice are used.
+/// \param outside    value of voxels that one of the two adjacent slices does not cover [HU].
+/// \note Before the first and after the last slice the values of that slice are used. Values
+///   are limited to -1024 to 3071 HU.
 [[nodiscard]] CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> origins_L,
                                             const Grid& grid, std::int16_t outside);
 

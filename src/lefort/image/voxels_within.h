@@ -10,12 +10,12 @@
 
 namespace lefort::image {
 
-/// Calls visit(i, j, k), i fastest, for each voxel of the grid that extends to within
-/// `max_distance_mm` of a point along every axis: a box that contains the ball of that radius.
+/// Calls visit(i, j, k), i fastest, for each voxel that overlaps a box around a point. The edges of
+/// the box are parallel to the axes of the grid.
 ///
 /// \param grid             the voxels.
 /// \param p_L              center of the box [mm].
-/// \param max_distance_mm  half of its width.
+/// \param max_distance_mm  half of the width of the box along each axis.
 /// \param visit            called in the order of the values.
 template <class Visit>
 void visit_voxels_near(const Grid& grid, const Vec3& p_L, double max_distance_mm,

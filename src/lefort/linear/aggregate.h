@@ -18,23 +18,24 @@ struct Aggregates {
 /// Groups block rows with their strongly coupled neighbors (\cite vanek1996, algorithm 5.1).
 ///
 /// \param A          symmetric.
-/// \param threshold  i and j are strongly coupled if |A_ij| > threshold sqrt(|A_ii| |A_jj|).
+/// \param threshold  i and j are strongly coupled if |A_ij| > threshold sqrt(|A_ii| |A_jj|);
+///   Frobenius norms.
 template <int kRows>
 [[nodiscard]] Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold);
 
-/// The near null space of a matrix with kRows rows per block row, as six columns.
+/// The near null space of a matrix: six columns, one block of kRows rows per block row.
 template <int kRows>
 using Modes = std::vector<Eigen::Matrix<double, kRows, 6>>;
 
 /// The coarse space of aggregates: the modes, orthonormalized on each aggregate.
 template <int kRows>
 struct CoarseSpace {
-  BlockMatrix<kRows, 6> basis;  ///< One block per row.
+  BlockMatrix<kRows, 6> basis;  ///< One block per block row.
   Modes<6> modes;  ///< The modes in the coarse space; basis * modes are the fine modes.
 };
 
-/// Builds the coarse space. Modes that are linearly dependent on an aggregate (the rotations, if it
-/// is a single node) give zero columns of the basis.
+/// Builds the coarse space. Modes that are linearly dependent on an aggregate (the rotations, if
+/// the aggregate is one node) give zero columns of the basis.
 ///
 /// \param aggregates  of the rows.
 /// \param modes       near null space of the matrix.

@@ -13,8 +13,8 @@
 
 namespace lefort::linear {
 
-/// An array of `size` doubles, aligned to cache lines, not initialized. False as a condition if the
-/// allocation failed.
+/// An array of `size` doubles, aligned at least to cache lines, not initialized. False as a
+/// condition if the allocation failed.
 class AlignedBuffer {
  public:
   AlignedBuffer() = default;
@@ -24,8 +24,8 @@ class AlignedBuffer {
     const std::size_t whole = (bytes / alignment + 1) * alignment;
     numbers_.reset(static_cast<double*>(std::aligned_alloc(alignment, whole)));
 #if defined(__linux__)
-    // The kernel clears a few large pages faster than many small ones, and the TLB covers more of
-    // them.
+    // The kernel clears a few large pages faster than many small ones, and the TLB covers more
+    // memory with large pages.
     if (alignment == kLargePage && numbers_ != nullptr)
       ::madvise(numbers_.get(), whole, MADV_HUGEPAGE);  // A hint; failure has no effect on results.
 #endif

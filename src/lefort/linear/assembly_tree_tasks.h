@@ -15,7 +15,7 @@ namespace lefort::linear {
 /// Whether the loops within a front run in parallel; this is useful only near the root.
 enum class FrontLoops { kSerial, kParallel };
 
-/// A subtree with less than this fraction of the total work is one task.
+/// A subtree with at most this fraction of the total work is one task.
 inline constexpr double kTaskFraction = 1.0 / 64;
 
 /// Calls visit(supernode, loops) for all supernodes, children before their parent.

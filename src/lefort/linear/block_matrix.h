@@ -22,7 +22,7 @@ struct BlockMatrix {
   std::int32_t columns = 0;  ///< Number of block columns.
   std::vector<std::int32_t> start = {0};
   std::vector<std::int32_t> column;
-  std::vector<double> values;  ///< kSize for each block; a block is stored column by column.
+  std::vector<double> values;  ///< kSize for each block; blocks are column-major.
 
   [[nodiscard]] std::int32_t rows() const { return std::int32_t(start.size()) - 1; }
   [[nodiscard]] Index row_begin(Index i) const { return start[std::size_t(i)]; }
@@ -35,7 +35,7 @@ struct BlockMatrix {
   }
 };
 
-/// Rows that one task multiplies.
+/// Block rows that one task multiplies.
 inline constexpr Index kBlockRowsPerTask = 512;
 
 /// y = A x.
@@ -60,30 +60,30 @@ template <int kRows, int kColumns>
 [[nodiscard]] BlockMatrix<kColumns, kRows> transposed(const BlockMatrix<kRows, kColumns>& A);
 
 /// A symmetric matrix in 3x3 blocks. Consecutive rows with the same pattern, at most three, form a
-/// block: the displacements of a node, or those that are not prescribed. Smaller blocks are padded
-/// with rows of the unit matrix.
+/// block: the displacements of a node, or those of them that are not prescribed. Smaller blocks are
+/// padded with rows of the unit matrix.
 class SymmetricBlocks {
  public:
   /// \param A  lower triangle with the whole diagonal, compressed.
   explicit SymmetricBlocks(const SparseMatrix& A);
 
-  /// Takes the values of another matrix with the same pattern.
+  /// Sets the values to those of another matrix with the same pattern.
   void set_values(std::span<const double> values);
 
   [[nodiscard]] const BlockMatrix<3, 3>& matrix() const { return matrix_; }
 
-  /// The row of the block matrix that row i of A has become.
+  /// The row (not block row) of matrix() that contains row i of A.
   [[nodiscard]] std::int32_t block_row(Index i) const { return block_row_[std::size_t(i)]; }
 
-  /// Converts between vectors over the rows of A and over the rows of the blocks; padded entries
-  /// are zero.
+  /// Converts between vectors over the rows of A and over the rows of matrix(); padded entries are
+  /// zero.
   [[nodiscard]] VectorX to_blocks(const VectorX& x) const;
   [[nodiscard]] VectorX from_blocks(const VectorX& x) const;
 
  private:
   BlockMatrix<3, 3> matrix_;
   std::vector<std::int32_t> block_row_;
-  std::vector<std::int32_t> offset_;  ///< For each value of A: its position in the blocks.
+  std::vector<std::int32_t> offset_;  ///< For each value of A: its position in matrix_.values.
   /// The same for the transposed entry above the diagonal.
   std::vector<std::int32_t> mirror_offset_;
 };

@@ -4,9 +4,9 @@
 ///
 /// Columns of the factor with the same pattern below the diagonal form a supernode. Its front is a
 /// dense matrix over its own rows and the rows below them. The front is assembled from entries of A
-/// and from the update matrices of the children in the elimination tree; its own rows are
-/// eliminated, and what remains is its update matrix, which is added to the front of the parent
-/// (multifrontal method; \cite duff1983, \cite liu1992).
+/// and from the update matrices of the children in the assembly tree; its own rows are eliminated,
+/// and what remains is its update matrix, which is added to the front of the parent (multifrontal
+/// method; \cite duff1983, \cite liu1992).
 #pragma once
 
 #include <lefort/linear/sparse_matrix.h>
@@ -19,7 +19,7 @@
 
 namespace lefort::linear {
 
-/// Rows of a front: own rows, then those below; both are padded to whole lanes.
+/// Rows of a front: own rows, then those below; both are padded to multiples of kLane.
 struct Supernode {
   std::int32_t first_row = 0;  ///< In the elimination order.
   std::int32_t own = 0;        ///< Number of rows it eliminates, > 0.
@@ -36,8 +36,8 @@ struct Supernode {
   [[nodiscard]] TileLayout update_layout() const { return {padded(below), 0}; }
 };
 
-/// Rows below a front that are consecutive in it and in the front of its parent, within one tile of
-/// each.
+/// A run of rows below the own rows of a front: consecutive in this front and in the front of its
+/// parent, within one tile of each.
 struct RowRun {
   std::int32_t row;         ///< First row, counted from the first row below.
   std::int32_t parent_row;  ///< Its row in the front of the parent.
@@ -62,7 +62,7 @@ struct CholeskyPlan {
   std::vector<std::int64_t> entry_start;
   std::int64_t factor_entries = 0;  ///< Size of the factor, with padding.
   std::int64_t front_rows = 0;      ///< Rows of all fronts.
-  std::int64_t peak_update = 0;     ///< Max entries of stored update matrices, one thread.
+  std::int64_t peak_update = 0;     ///< Max entries of update matrices at a time, one thread.
 
   [[nodiscard]] std::span<const std::int32_t> roots() const {
     return part(children, child_start, std::int32_t(supernodes.size()));

@@ -25,8 +25,8 @@ struct CgOutcome {
   int iterations = 0;
 };
 
-/// The inner product a . b. The order of the sum depends on the size only, so that the bits do not
-/// depend on the number of threads.
+/// The inner product a . b. The order of the sum depends on the size only, so the result has the
+/// same bits for any number of threads.
 [[nodiscard]] inline double inner_product(const VectorX& a, const VectorX& b) {
   constexpr Index kBlockSize = 4096;
   return deterministic_sum((a.size() + kBlockSize - 1) / kBlockSize, 0.0, [&](Index part) {

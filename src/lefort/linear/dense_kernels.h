@@ -17,15 +17,15 @@ inline constexpr int kLane = 8;
 /// lines per column, so that columns do not compete for the same cache sets.
 inline constexpr int kTile = 120;
 
-/// Instruction sets that the loops are compiled for. kAvx2 and kAvx512 fuse multiplication and
-/// addition in the same order and give the same bits; kBaseline, for processors before 2013, cannot
-/// fuse.
+/// Instruction sets that the kernels are compiled for. kAvx2 and kAvx512 fuse multiplication and
+/// addition in the same order and give the same bits. kBaseline, for x86 processors before 2013,
+/// cannot fuse; it is also the only one of other architectures.
 enum class TileSimd : std::uint8_t { kBaseline, kAvx2, kAvx512 };
 
 /// \returns the widest instruction set of this processor.
 [[nodiscard]] TileSimd best_tile_simd();
 
-/// The loops for one instruction set.
+/// The kernels for one instruction set.
 struct TileKernels {
   /// C -= A B^T, and C = -A B^T; A is rows x depth, B is columns x depth, depth is any number up to
   /// kTile.

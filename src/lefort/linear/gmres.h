@@ -18,8 +18,8 @@ struct GmresOutcome {
   double relative_residual = 0.0;  ///< |b - A x| / |b|.
 };
 
-/// Solves A x = b from zero with flexible GMRES without restart (\cite saad2003, algorithm 9.6).
-/// Stores two vectors per iteration.
+/// Solves A x = b with flexible GMRES without restart (\cite saad2003, algorithm 9.6), starting at
+/// x = 0. Stores two vectors per iteration.
 ///
 /// \param multiply        multiply(x): A x.
 /// \param precondition    precondition(r): approximately A^-1 r, or nothing if it failed.
@@ -27,7 +27,7 @@ struct GmresOutcome {
 /// \param tolerance       relative residual at which the iteration stops.
 /// \param max_iterations  maximum number of iterations; >= 1.
 /// \returns the solution and its residual, also if the tolerance was not reached; nothing if the
-///   preconditioner failed, or the Krylov space is singular or not finite.
+///   preconditioner failed, or a pivot of the Hessenberg matrix is zero or not finite.
 template <class Multiply, class Precondition>
 [[nodiscard]] std::optional<GmresOutcome> solve_by_gmres(const Multiply& multiply,
                                                          const Precondition& precondition,

@@ -17,10 +17,11 @@ namespace lefort::linear {
 
 /// Methods of the solver.
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,     ///< Direct up to direct_rows, multigrid above (docs/decisions/0005).
+  kAutomatic,     ///< Direct up to direct_rows, else multigrid if available (docs/decisions/0005).
   kDirect,        ///< Multifrontal Cholesky factorization.
   kReusedFactor,  ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
-  kMultigrid      ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
+  /// Conjugate gradients, preconditioned by smoothed aggregation multigrid. Direct up to 3000 rows.
+  kMultigrid
 };
 
 /// Method and limits of the solver.
@@ -28,7 +29,7 @@ struct LinearSolverOptions {
   LinearSolverKind kind = LinearSolverKind::kAutomatic;
   Index direct_rows = 60000;  ///< kAutomatic: largest system that is solved directly, >= 0.
   int max_iterations = 300;   ///< Of conjugate gradients; >= 1.
-  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< Most memory of a factor, > 0.
+  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< Max for factor and fronts, > 0.
 };
 
 /// Solves A x = b for a sequence of matrices. Data that depend on the pattern only are reused.
@@ -43,10 +44,10 @@ class LinearSolver {
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
   /// Sets the point and the axis of each row, from which multigrid computes the near null space
-  /// (the rigid-body modes). Without them multigrid is not available.
+  /// (the rigid-body modes). kMultigrid requires them; without them kAutomatic is direct.
   ///
   /// \param points_L    where each row acts, in the reference configuration [mm].
-  /// \param components  axis along which it acts, 0 to 2; equally many.
+  /// \param components  axis along which it acts, 0 to 2; as many as points.
   void set_near_null_space(std::vector<Vec3> points_L, std::vector<std::int32_t> components);
 
   /// Prepares for solving with A.
@@ -61,7 +62,7 @@ class LinearSolver {
   /// \param b          right-hand side.
   /// \param tolerance  iterative kinds stop when |b - A x| <= tolerance |b|, > 0.
   /// \returns A^-1 b; or kNotPositiveDefinite, kOutOfMemory, kNotConverged. With kAutomatic the
-  ///   next factorize() after kNotConverged is direct.
+  ///   next factorize() of the same pattern after kNotConverged is direct.
   /// \pre the last factorize() returned kDone; b has as many entries as A has columns.
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(const VectorX& b,
                                                                double tolerance = 1e-10);
@@ -71,13 +72,13 @@ class LinearSolver {
   /// \param A              as in factorize().
   /// \param b              right-hand side.
   /// \param tolerance      as in solve().
-  /// \param on_factorized  called between factorization and solution; may be empty.
+  /// \param on_factorized  called after each factorization, before the solution; may be empty.
   /// \returns as factorize() and solve().
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(
       const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
       const std::function<void()>& on_factorized = {});
 
-  /// The method for the last matrix, never kAutomatic. \pre factorize() was called.
+  /// The method for the last matrix, never kAutomatic. \pre the last factorize() returned kDone.
   [[nodiscard]] LinearSolverKind kind() const;
 
   /// Counts since construction.
@@ -85,7 +86,7 @@ class LinearSolver {
     int analyzes = 0;             ///< Analyses of patterns.
     int factorizations = 0;       ///< Factorizations, or hierarchies built.
     int iterations = 0;           ///< Iterations of conjugate gradients.
-    double factor_entries = 0.0;  ///< Entries of the current factor, 8 bytes each.
+    double factor_entries = 0.0;  ///< Of the current factor, 8 bytes each; 0 with multigrid.
   };
   [[nodiscard]] const Statistics& statistics() const;
 

@@ -2,7 +2,7 @@
 /// Smoothed aggregation multigrid for elasticity, as a preconditioner.
 ///
 /// Nodes are grouped into aggregates (\cite vanek1996). On each aggregate the coarse space is
-/// spanned by the near null space, the rigid-body modes, smoothed by one damped Jacobi step. The
+/// spanned by the near null space (the rigid-body modes), smoothed by one damped Jacobi step. The
 /// coarse matrix has six unknowns per aggregate and is coarsened in the same way until it is small.
 #pragma once
 
@@ -22,8 +22,8 @@ struct MultigridOptions {
   double strong_coupling = 0.02;  ///< Threshold of aggregate(); halved on each level.
   /// Degree of the Chebyshev smoother, before and after the coarse correction; >= 1.
   int smoothing_degree = 2;
-  /// The smoother damps the eigenvalues between the largest one and the largest one divided by
-  /// this.
+  /// The smoother damps the eigenvalues of D^-1 A between the largest one and the largest one
+  /// divided by this number; D: the diagonal blocks of A.
   double smoothed_range = 20.0;
   std::int32_t direct_rows = 3000;  ///< Matrices with at most this many rows are solved directly.
 };
@@ -36,7 +36,8 @@ class Multigrid {
   /// \param A        symmetric; must outlive the hierarchy.
   /// \param modes    rigid-body modes of the rows of A.
   /// \param options  constants of the method.
-  /// \returns nothing if A is found to be not positive definite.
+  /// \returns nothing if A is found not to be positive definite, or the factor of the coarsest
+  ///   matrix exceeds 4 GiB or the memory.
   [[nodiscard]] static std::optional<Multigrid> build(const BlockMatrix<3, 3>& A, Modes<3> modes,
                                                       const MultigridOptions& options = {});
   ~Multigrid();
@@ -49,7 +50,7 @@ class Multigrid {
   /// \returns false if a diagonal block of A is not positive definite.
   [[nodiscard]] bool update_smoother();
 
-  /// One V-cycle: an approximation of A^-1 b that is symmetric and positive definite.
+  /// One V-cycle: applies a symmetric positive definite approximation of A^-1 to b.
   [[nodiscard]] VectorX cycle(const VectorX& b) const;
 
   [[nodiscard]] int level_count() const;

@@ -1,9 +1,9 @@
 /// \file
 /// The pattern of a symmetric matrix as a graph, and its elimination order.
 ///
-/// Rows with the same pattern form one vertex. For the three displacements of a node this gives the
-/// graph of the mesh, with a ninth of the entries, and reduces the cost of symbolic operations
-/// accordingly.
+/// Adjacent rows with the same pattern form one vertex. For the three displacements of a node this
+/// gives the graph of the mesh, with a ninth of the entries of the matrix, and reduces the cost of
+/// symbolic operations accordingly.
 #pragma once
 
 #include <lefort/linear/sparse_matrix.h>

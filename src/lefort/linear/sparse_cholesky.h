@@ -16,14 +16,14 @@ namespace lefort::linear {
 
 /// The factorization A = L L^T.
 ///
-/// Subtrees of the elimination tree are eliminated in parallel, and so are the tiles of the large
+/// Subtrees of the assembly tree are eliminated in parallel, and so are the tiles of the large
 /// fronts near the root. Each entry is computed by one task in a fixed order, so results have the
 /// same bits for any number of threads, and on all processors that fuse multiplication and
 /// addition.
 class SparseCholesky {
  public:
   /// \param plan          from plan_cholesky().
-  /// \param memory_bytes  limit for factor and fronts.
+  /// \param memory_bytes  limit for factor and fronts [bytes].
   /// \param simd          instruction set of the kernels.
   explicit SparseCholesky(CholeskyPlan plan, std::int64_t memory_bytes,
                           TileSimd simd = best_tile_simd());

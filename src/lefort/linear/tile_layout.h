@@ -28,7 +28,7 @@ class TileLayout {
   [[nodiscard]] constexpr int own_tiles() const { return tiles(own_); }
   [[nodiscard]] constexpr int all_tiles() const { return tiles(own_) + tiles(below_); }
 
-  /// First row of a tile, and its number of rows; columns have the same numbers.
+  /// First row of a tile, and its number of rows; the same numbers apply to columns.
   [[nodiscard]] constexpr std::int32_t start(int t) const {
     return t < own_tiles() ? t * kTile : own_ + (t - own_tiles()) * kTile;
   }

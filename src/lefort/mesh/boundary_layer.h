@@ -13,15 +13,16 @@
 namespace lefort::mesh {
 
 struct BoundaryLayerOptions {
-  double thickness_mm = 1.5;         ///< Of all layers together, > 0.
+  double thickness_mm = 1.5;         ///< Of all layers together, > 0, < 1000.
   int layers = 2;                    ///< 1 to 8, equally thick.
   std::int32_t region = 1;           ///< Region of the layer's elements.
   double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; where quality is lower, the layer is thinner.
 };
 
 /// Whether a boundary face belongs to a plane at which the meshed region ends: at least one corner
-/// lies in the plane, and the normals differ by less than 45 degrees. Bevel faces between the plane
-/// and other boundary therefore belong to it if their normal is closer to that of the plane.
+/// lies in the plane (within 0.05 mm), and the outward normals of face and half-space differ by
+/// less than 45 degrees. A bevel face between the plane and other boundary therefore belongs to the
+/// plane if its normal is closer to that of the plane.
 ///
 /// \param nodes_L  nodes of the mesh [mm].
 /// \param face     corners, counter-clockwise seen from outside.
@@ -36,15 +37,16 @@ struct BoundaryLayerOptions {
 /// \cite garimella2000; here interior nodes move instead of being remeshed.
 ///
 ///     outer   a-------b-------c-----r     Where the skin ends at other boundary, its last node r
-///             | wedge | wedge | .'        is not doubled: on a face with one such node lie
-///     inner   a'------b'------c'          pyramids, with two tetrahedra. Where the skin ends at a
-///              \ tet / \ tet / \          cut plane, sides of the wedges lie in the plane.
+///             | wedge | wedge | .'        is not doubled: pyramids lie under faces with one such
+///     inner   a'------b'------c'          node, tetrahedra under faces with two. Where the skin
+///              \ tet / \ tet / \          ends at a cut plane, sides of the wedges lie in it.
 ///
 /// The layer is thinner
 /// - where the body is thin: at most a third of the distance through it;
 /// - where the thickness would change by more than half of the distance between nodes;
-/// - where the scaled Jacobian of a tetrahedron would fall below options.min_scaled_jacobian, or
-///   that of an element of the layer below 0.6 of it.
+/// - where the scaled Jacobian of a tetrahedron would fall below options.min_scaled_jacobian and
+///   below 0.9 of its initial value, or that of an element of the layer below 0.6
+///   min_scaled_jacobian.
 /// It is omitted where less than a third of the thickness would be left.
 ///
 /// \param tets        one block of kTet4 with positive volumes, without sets.
@@ -56,7 +58,8 @@ struct BoundaryLayerOptions {
 /// \returns the blocks: tetrahedra (those of the layer last), then pyramids and wedges if any;
 ///   nodes of `tets` keep their numbers, those of the skin are at the bottom of the layer. Or
 ///   - kInvalidArgument  an option lies outside its range;
-///   - kMeshingFailed    an element has no volume or is inverted;
+///   - kMeshingFailed    an element has no volume or is inverted, or the layer still gets thinner
+///     after 30 rounds;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same input, same bits.
 [[nodiscard]] Result<VolumeMesh> add_boundary_layer(const VolumeMesh& tets,

@@ -1,6 +1,6 @@
 /// \file
-/// Boxes of regular elements of every shape, and of several joined face to face: for verification,
-/// benchmarks and tests.
+/// Boxes of regular elements of one shape, or of several shapes joined face to face: for
+/// verification, benchmarks and tests.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -21,7 +21,7 @@ namespace lefort::mesh {
 /// Node and face sets: the sides x0, x1, y0, y1, z0, z1, and "boundary" for all of them.
 ///
 /// \param shape    of all elements.
-/// \param cells    number of cells along x, y, z, each >= 1; fewer than 2^31 elements.
+/// \param cells    number of cells along x, y, z, each >= 1; at most 2^31 / 12 grid nodes.
 /// \param size_mm  edge lengths, > 0.
 /// \returns the mesh, one block.
 [[nodiscard]] VolumeMesh make_box(ElementShape shape, std::array<int, 3> cells,
@@ -43,8 +43,8 @@ enum class BoxMix {
 /// \returns the mesh, one block per shape.
 [[nodiscard]] VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size_mm);
 
-/// Moves each interior corner node by up to `max_displacement_mm` along each axis; mid-edge nodes
-/// move with their edges, so that edges stay straight.
+/// Moves each interior corner node randomly, by up to `max_displacement_mm` along each axis;
+/// mid-edge nodes move with their edges, so that edges stay straight.
 ///
 /// \param mesh                 elements of any shape.
 /// \param max_displacement_mm  largest displacement along each axis.

@@ -14,10 +14,11 @@ namespace lefort::mesh {
 /// - the topology does not change (link condition, \cite dey1999);
 /// - boundary faces rotate by at most 25 degrees, and boundary nodes stay on the boundary;
 /// - the lowest scaled Jacobian of the changed elements increases.
-/// Among the edges of an element that reach `min_scaled_jacobian`, the one that rotates the
-/// boundary least is collapsed; if none reaches it, the one of the highest quality.
+/// Among the edges of an element whose collapse leaves a quality of `min_scaled_jacobian` or more,
+/// the one that rotates the boundary least is collapsed; if there is none, the one that leaves the
+/// highest quality.
 ///
-/// \param mesh  one block of kTet4 with positive volumes, without sets and hinges
+/// \param mesh                 one block of kTet4 with positive volumes, without sets and hinges
 ///   (mesh/largest_face_connected_part.h). Unused nodes are removed, the others keep their order
 ///   and position.
 /// \param min_scaled_jacobian  quality below which an element is removed.

@@ -34,7 +34,7 @@ struct SurfaceCut {
 /// \param progress      receives the fraction of attempts done; may request a stop.
 /// \returns both parts, or
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
-///   - kMeshInvalid      the surface is empty, not finite, or open (the message names an edge);
+///   - kMeshInvalid      as repair_surface(): for example the surface is open;
 ///   - kMeshingFailed    the surface crosses itself along the cut, even after the planes were
 ///     displaced by up to 1e-4 mm; the volumes of the parts do not add up within 0.1 %; or memory
 ///     is exhausted;

@@ -42,7 +42,7 @@ struct TetQuality {
   double min_dihedral_deg;  ///< Regular: arccos(1/3) = 70.53.
   double max_dihedral_deg;
   double scaled_jacobian;  ///< Minimum over the corners, 1 if regular, <= 0 if inverted.
-  double radius_ratio;     ///< 3 inradius / circumradius, 1 if regular, 0 if flat.
+  double radius_ratio;     ///< 3 inradius / circumradius: 1 if regular, <= 0 if inverted.
 };
 
 /// \param a, b, c, d  corners; the volume is positive if abc is counter-clockwise seen from d.

@@ -23,7 +23,8 @@ using InsidePredicate = std::function<bool(const Vec3&)>;
 /// \param is_inside        the tissue.
 /// \param max_distance_mm  largest |t|.
 /// \param tolerance_mm     accuracy of t, > 0.
-/// \returns t; nothing if is_inside does not change for |t| <= max_distance_mm.
+/// \returns t [mm], > 0 if p is inside, else < 0; nothing if is_inside does not change within
+///   max_distance_mm in this direction.
 [[nodiscard]] std::optional<double> find_zero_crossing(const Vec3& p, const Vec3& direction,
                                                        const InsidePredicate& is_inside,
                                                        double max_distance_mm, double tolerance_mm);

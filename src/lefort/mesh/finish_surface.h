@@ -28,8 +28,8 @@ struct FinishedSurface {
 /// Smooths, decimates and measures a surface.
 ///
 /// \param isosurface_L  of a scan.
-/// \param voxel_mm      shortest edge of its voxels; smoothing moves a vertex by at most half of
-///   it.
+/// \param voxel_mm      shortest edge of the scan's voxels; smoothing moves a vertex by at most
+///   half of this length.
 /// \param options       amount of smoothing and number of triangles.
 /// \param progress      of the decimation; may request a stop.
 /// \returns the surface, or the errors of simplify_surface() and count_self_intersections().

@@ -6,12 +6,13 @@
 
 namespace lefort::mesh {
 
-/// Finds the largest part whose elements are connected through faces, also among the elements
-/// around each edge and each node: there are no hinges. Hence every boundary edge has two faces.
+/// Finds the part with most elements whose elements are connected through faces, also among the
+/// elements around each edge and each node. Hence every boundary edge has two faces.
 ///
-/// Where elements are connected only through an edge or a node, the smaller group is removed. The
-/// order of nodes and elements is kept, unused nodes are removed. Among parts of equal size, the
-/// one with the first element is kept. Sets are removed, because node numbers change.
+/// A hinge is an edge or a node whose elements form several groups without common faces. All groups
+/// but the largest are removed. The order of nodes and elements is kept, unused nodes are removed.
+/// Among parts or groups of equal size, the one with the first element is kept. Sets are removed,
+/// because node numbers change.
 ///
 /// \param mesh  one block of kTet4.
 /// \returns the part.

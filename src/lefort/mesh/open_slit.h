@@ -37,16 +37,16 @@ struct SlitMesh {
 /// Separates the elements on one side of a surface from those on the other.
 ///
 /// The side of an element is that of its centroid. If more of its faces adjoin elements of the
-/// other side, the element changes to that side. Nodes between the sides move onto the surface as
-/// far as the scaled Jacobians of their elements permit. Boundary nodes move along the boundary.
-/// Nodes of elements other than kTet4 do not move. Then each node is duplicated whose elements the
-/// slit separates. No element is removed. A part of less than a hundredth of the elements is not
-/// separated.
+/// other side than of its own, the element changes its side. Nodes between the sides move onto the
+/// surface as far as the scaled Jacobians of their elements permit. Boundary nodes move along the
+/// boundary. Nodes of elements other than kTet4 do not move. Then each node is duplicated whose
+/// elements the slit separates. No element is removed. A part of less than a hundredth of the
+/// elements is not separated.
 ///
 /// \param mesh         linear elements, without sets.
 /// \param surface      of the slit; its functions are called by one thread.
-/// \param is_inside_L  the body. A boundary node that has moved is returned to the surface of the
-///   body if that lies within 0.5 mm.
+/// \param is_inside_L  the body. After each move a boundary node is snapped to the surface of the
+///   body, which must lie within 0.5 mm; otherwise the move is shortened or omitted.
 /// \returns the mesh; unchanged, without faces, if the surface separates no elements.
 [[nodiscard]] SlitMesh open_slit(VolumeMesh mesh, const SlitSurface& surface,
                                  const std::function<bool(const Vec3&)>& is_inside_L);

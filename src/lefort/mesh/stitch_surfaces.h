@@ -6,7 +6,7 @@
 
 namespace lefort::mesh {
 
-/// Merges two surfaces. If a triangle of `a` and a triangle of `b` have bitwise equal corners and
+/// Merges two surfaces. If a triangle of `a` and a triangle of `b` have exactly equal corners and
 /// opposite orientation, as on the caps of a SurfaceCut (mesh/cut_surface.h), both are removed and
 /// their corners merged. All other triangles are kept, those of `a` first.
 ///

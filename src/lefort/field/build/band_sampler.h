@@ -1,6 +1,6 @@
 /// \file
-/// Exact signed distances at the lattice points near a surface, brick by brick (paper, section 2.1,
-/// steps 1 to 3).
+/// Signed distances at the lattice points near a surface, brick by brick (paper, section 2.1, steps
+/// 1 to 3).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -21,17 +21,18 @@
 
 namespace lefort::field {
 
-/// Distance of a lattice point that is not sampled, before its sign is known.
+/// Value of a lattice point without a sample, before its zone is known.
 inline constexpr float kUnsampled = std::numeric_limits<float>::quiet_NaN();
 
 /// Assigns triangles to bricks, and samples bricks one at a time, in any order and from any thread.
 ///
 /// The paper extrudes each triangle to a prism of +-band and visits the lattice points in the box
 /// of the prism. Prisms leave gaps, wedges at convex edges and cones at convex corners, which the
-/// boxes cover only by chance. Here the region of a triangle is bounded by its box and by its
-/// plane, both extended by the max distance, which leaves no gap. The volume of this region grows
-/// with the cube of the distance, and most points in it are closer to other triangles. In a wide
-/// band a tree therefore finds the nearest triangle of points far from the surface.
+/// boxes cover only by chance. Here the region of a triangle is bounded by its box, its plane and
+/// its edges, all extended by the max distance (triangle_brick_overlaps.h), which leaves no gap.
+/// The volume of this region grows with the cube of the distance, and most points in it are closer
+/// to other triangles. In a band of more than 6 cells a tree therefore finds the nearest triangle
+/// of points further than 3 cells from the surface.
 class BandSampler {
  public:
   /// Max points of the bricks if stored as codes of 24 bits (BrickSamples): 12 GiB.
@@ -87,7 +88,7 @@ class BandSampler {
   double binned_mm_;
   Simd simd_;
   std::vector<std::int32_t> bricks_;
-  std::vector<std::uint32_t> first_;     ///< Offset of each brick in triangles_, and its end.
+  std::vector<std::uint32_t> first_;     ///< Offset of each brick in triangles_; one more, the end.
   std::vector<std::int32_t> triangles_;  ///< By brick, ascending.
   std::optional<TriangleTree> tree_;
 };
@@ -101,7 +102,7 @@ class BandSampler {
 /// \param winding          of the surface, or null if it is open; resolves sign conflicts
 ///   (resolve_sign_conflicts.h).
 /// \param progress         receives the fraction done; may cancel.
-/// \returns the samples [mm]; kInvalidArgument if the points would exceed the memory limit; or
+/// \returns the samples [mm]; kInvalidArgument as BandSampler::create(), for kMaxFloatPoints; or
 ///   kCancelled.
 [[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
                                                        const FieldFrame& frame,

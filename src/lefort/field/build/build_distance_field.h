@@ -13,8 +13,8 @@
 
 namespace lefort::field {
 
-/// Construction and storage of samples. All methods give the same distances; they differ in time
-/// and memory.
+/// Construction and storage of samples. All methods give the same distances up to rounding, octrees
+/// within the tolerance; they differ in time and memory.
 enum class FieldMethod : std::uint8_t {
   kBricks,    ///< Bricks of samples near the surface: fastest and smallest (brick_samples.h).
   kHybrid,    ///< The paper's method: narrow band, then an octree coalesced bottom-up (coalesce.h).
@@ -25,7 +25,8 @@ enum class FieldMethod : std::uint8_t {
 /// Resolution and width of the band.
 struct DistanceFieldOptions {
   FieldMethod method = FieldMethod::kBricks;
-  int resolution = 256;  ///< Cells along an edge of the cube: a power of two, 16 to 2048.
+  /// Cells along an edge of the cube: a power of two, 16 to 2048 (kUniform: 1024).
+  int resolution = 256;
   /// Samples closer to the surface than this are stored: 2 to resolution / 4 cells. 0: 5 cells, or
   /// resolution / 4 cells if that is less.
   double band_mm = 0.0;
@@ -52,10 +53,12 @@ struct DistanceFieldOptions {
 /// \param progress   receives the fraction done and notes about repairs; may cancel.
 /// \returns the field, in the frame of the surface, or
 ///   - kInvalidArgument  an option is out of range, or the field would be too large;
-///   - kMeshInvalid      the surface is empty, not finite, without extent, or too large;
+///   - kMeshInvalid      as prepare_surface(); the surface is less than 0.001 mm wide or has more
+///     than 1e8 triangles;
 ///   - kCancelled        `progress` requested a stop.
-/// \note The sign is that of the pseudonormal at the closest feature \cite baerentzen2005. The
-///   tolerance holds at every sample; it does not accumulate over levels.
+/// \note The sign is that of the pseudonormal at the closest feature \cite baerentzen2005, or that
+///   of the winding number near sign conflicts (resolve_sign_conflicts.h). The tolerance of octrees
+///   holds at every sample; errors do not accumulate over levels.
 /// \note The result has the same bits for any number of threads and on any processor.
 [[nodiscard]] Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface_B,
                                                          const DistanceFieldOptions& options = {},

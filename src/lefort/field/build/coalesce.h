@@ -10,8 +10,9 @@
 
 namespace lefort::field {
 
-/// Merges eight sibling leaves if trilinear interpolation from the corners of their parent
-/// reproduces every lattice sample in the parent within the tolerance of `frame`.
+/// Merges eight sibling leaves if all are beyond the band in the same zone, or if all are in the
+/// band and trilinear interpolation from the corners of their parent reproduces every lattice
+/// sample in the parent within the tolerance of `frame`.
 ///
 /// Each test uses all samples of the finest lattice in the parent, not only the corners of its
 /// children. So errors do not accumulate over levels: the final tree reproduces every sample within

@@ -9,8 +9,8 @@
 namespace lefort::field {
 
 /// Completes visit_triangles(): finds the nearest triangle of every point that has none yet.
-/// Sixteen points traverse the tree together. The cost per point hardly grows with its distance,
-/// while the number of binned triangles grows with its square.
+/// Sixteen points traverse the tree together. The cost per point hardly grows with the distance
+/// from the surface, while the number of binned triangles grows with the square of the distance.
 ///
 /// \param mesh             the surface.
 /// \param tree             of `mesh`.
@@ -19,7 +19,7 @@ namespace lefort::field {
 /// \param max_distance_mm  max distance of triangles.
 /// \param simd             instruction set; all give the same bits.
 /// \param nearest          points with a code are not changed. \pre their nearest triangle is
-///   final.
+///   final; squared_mm2 of the other points is max_distance_mm^2.
 void find_nearest(const geometry::TriangleMesh& mesh, const TriangleTree& tree, const Vec3& low,
                   double cell, double max_distance_mm, Simd simd, NearestInBrick& nearest);
 

@@ -57,7 +57,7 @@ struct alignas(64) NearestInBrick {
 /// of the largest of max distance, brick and triangle.
 ///
 /// \param mesh             the surface.
-/// \param triangles        of `mesh`, none of them a point.
+/// \param triangles        of `mesh`, none with three coincident corners.
 /// \param low              position of the first point of the brick [mm].
 /// \param cell             spacing of its points [mm].
 /// \param max_distance_mm  max distance of triangles.

@@ -12,7 +12,7 @@
 
 namespace lefort::field {
 
-/// One sentence per repair or defect; empty for a clean surface.
+/// One sentence per kind of repair or defect, except duplicate vertices; empty for a clean surface.
 [[nodiscard]] std::vector<std::string> describe(const MeshRepairReport& report);
 
 /// A repaired surface.
@@ -25,14 +25,15 @@ struct PreparedSurface {
   MeshRepairReport report;
 };
 
-/// Welds vertices, drops duplicate triangles, and orients triangles consistently: in each component
-/// that is connected by edges with two triangles, those with the smaller total area are flipped. A
-/// closed component that encloses a negative volume is flipped if no other component encloses it;
-/// inside another one it is a cavity.
+/// Welds vertices, drops duplicate triangles, and orients triangles consistently. In each component
+/// that is connected by edges with two triangles and is orientable, the triangles of one of the two
+/// orientations are flipped: of the one with the smaller total area. Then, if the surface is
+/// closed, each component with negative volume that no other component encloses is flipped, with
+/// all components inside it. A component of negative volume inside another one is a cavity.
 ///
 /// \param surface_B  any triangle soup.
-/// \returns the repaired surface; or kMeshInvalid if it is empty, not finite, too large, or all
-///   triangles are degenerate.
+/// \returns the repaired surface; or kMeshInvalid as check_surface(), or if two corners coincide in
+///   every triangle.
 [[nodiscard]] Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B);
 
 }  // namespace lefort::field

@@ -13,11 +13,11 @@
 namespace lefort::field {
 
 /// Splits a cube, beginning with the whole domain, until trilinear interpolation from its corners
-/// reproduces every point of the finest lattice in it within the tolerance, or it is one cell \cite
-/// frisken2000. Cubes outside the band are not split.
+/// reproduces the distance at every point of the finest lattice in the cube within the tolerance,
+/// or the cube is one cell \cite frisken2000. Cubes without a point of the band are not split.
 ///
-/// Distances are exact; each takes one query of a bounding volume hierarchy. Within the cube that
-/// one thread refines, each lattice point is computed once.
+/// Distances are exact; each takes one query of a bounding volume hierarchy. Within a cube of 16
+/// cells per edge, which one thread refines, each lattice point is computed once.
 ///
 /// \param surface   to be sampled.
 /// \param frame     lattice of the field.

@@ -29,7 +29,7 @@ struct TriangleBrickOverlaps {
 class OverlapBudget {
  public:
   explicit OverlapBudget(std::int64_t maximum) : max_count_(maximum) {}
-  /// \returns false if there are now more than the maximum.
+  /// \returns false if the count now exceeds the maximum.
   bool add(std::int64_t pairs) { return (count_ += pairs) <= max_count_; }
   [[nodiscard]] std::int64_t count() const { return count_; }
   [[nodiscard]] bool too_many() const { return count_ > max_count_; }
@@ -39,9 +39,10 @@ class OverlapBudget {
   std::atomic<std::int64_t> count_ = 0;
 };
 
-/// Finds the bricks with a point that may be within `max_distance_mm` of a triangle. They intersect
-/// its bounding box and five half-spaces (two of its plane, three of its edges), all extended by
-/// that distance. Unlike prisms this leaves no gap at edges and corners.
+/// Finds the bricks with a point that may be within `max_distance_mm` of a triangle. These bricks
+/// intersect the bounding box of the triangle and each of five half-spaces (two of its plane, three
+/// of its edges), all extended by that distance. Unlike prisms this leaves no gap at edges and
+/// corners.
 ///
 /// \param mesh             the surface.
 /// \param begin            first triangle.

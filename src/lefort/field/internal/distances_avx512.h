@@ -10,7 +10,8 @@
 namespace lefort::field::internal {
 
 /// True if distances_avx512() can address all samples: it uses 31 bits for byte offsets and eleven
-/// for cells, and reads another leaf in place of those that are not stored.
+/// for cells, and reads the first leaf in place of leaves that are not stored; so one leaf must be
+/// stored.
 [[nodiscard]] bool fits_avx512(const BrickSamples& samples);
 
 /// The same as distances_in_bricks(), with the same bits. \pre fits_avx512().

@@ -1,6 +1,6 @@
 /// \file
-/// Attributes that compile a loop for one instruction set: of the function that it is inlined into.
-/// Fused multiply-add is disabled, so that all give the same bits.
+/// Attributes that compile a function for one instruction set, with the loops that are inlined into
+/// it. Fused multiply-add is disabled, so that all instruction sets give the same bits.
 #pragma once
 
 #include <lefort/field/simd.h>

@@ -39,7 +39,7 @@ struct Planes {
   Quantities at_low;               ///< The quantities at the first point of the brick.
   std::array<Quantities, 3> step;  ///< Their change from point to point along each axis.
   std::array<float, 3> length;
-  float inside_limit;  ///< 0; -infinity for a triangle without area, which no point is inside.
+  float inside_limit;  ///< Max r_i inside the triangle: 0; -infinity for one without area.
   std::array<int, 3> low, high;  ///< Points near its box: from `low` to before `high`.
 };
 

@@ -11,8 +11,8 @@
 
 namespace lefort::field {
 
-/// A cube of lattice cells with the distances [mm] at its corners, x fastest: +infinity outside the
-/// band, -infinity inside, NaN if unknown.
+/// A cube of lattice cells with the distances [mm] at its corners, x fastest: beyond the band
+/// +infinity outside the surface and -infinity inside it; NaN if unknown.
 struct CellSamples {
   LatticePoint low;  ///< Lowest corner.
   int cells;         ///< Cells along an edge.

@@ -2,12 +2,13 @@
 /// Cubic convolution (\cite keys1981): a Catmull-Rom spline along each axis through the values of a
 /// lattice, with slopes from central differences.
 ///
-/// Continuously differentiable. At a cell face the second derivative across the face jumps by the
-/// sum of the third differences on both sides; other second derivatives are continuous. Quadratic
-/// polynomials are reproduced: for smooth values the error is of order cell^3, that of second
-/// derivatives of order cell. Lattice values are interpolated exactly. Two C2 splines were tried
-/// for contact: the interpolating one oscillates next to kinks of the distance, and the smoothing
-/// one has errors of 0.1 mm (99th percentile) there (docs/theory/contact.md).
+/// Continuously differentiable. At a cell face the second derivative across the face jumps by minus
+/// the sum of the third differences on both sides; other second derivatives are continuous.
+/// Quadratic polynomials are reproduced: for smooth values the error is of order cell^3, that of
+/// second derivatives of order cell. Lattice values are interpolated exactly. Two C2 splines were
+/// tried for contact: the interpolating one oscillates next to kinks of the distance, and the
+/// smoothing one differs from the lattice values by 0.1 mm (99th percentile;
+/// docs/studies/distance-query.md).
 #pragma once
 
 #include <lefort/core/types.h>

@@ -20,8 +20,8 @@ struct SampleBlock {
   LatticePoint first{};
   /// The common zone of all samples if none is a distance; `values` is then not set.
   std::optional<Zone> side;
-  /// x fastest [mm]; +infinity outside the band, -infinity inside, NaN if unknown. Blocks
-  /// at the upper sides extend beyond the lattice; values there are undefined.
+  /// x fastest [mm]; beyond the band +infinity outside the surface and -infinity inside it; NaN if
+  /// unknown. Blocks at the upper sides extend beyond the lattice; values there are undefined.
   std::array<float, SparseLattice::kBrickPoints> values{};
 
   [[nodiscard]] float at(const LatticePoint& point) const {
@@ -31,10 +31,12 @@ struct SampleBlock {
 
 /// Reads a block. The samples are those that a query interpolates between:
 ///
-/// - bricks and dense samples: the stored values, except that samples in conflict with a neighbor
-///   (violates_lipschitz.h) are NaN;
+/// - bricks and dense samples: the stored values;
 /// - octrees: values at the corners of leaves, and values interpolated from the corners in leaves
-///   larger than a cell. A sample at the edge of the band that no leaf uses is outside the band.
+///   larger than a cell. A sample in the band that no leaf in the band uses has the zone of the
+///   leaves around it.
+///
+/// Samples in conflict with a neighbor (violates_lipschitz.h) are NaN.
 ///
 /// \param field  to be read.
 /// \param first  multiples of SparseLattice::kSide from 0 to the resolution.
@@ -59,7 +61,7 @@ struct LatticeWindow {
 /// \param region_B  the box; all samples if empty.
 /// \param every     stride along each axis.
 /// \returns the window; or kInvalidArgument if `every` is not from 1 to the resolution, or the box
-///   contains no sample.
+///   has a limit that is NaN or contains no sample.
 [[nodiscard]] Result<LatticeWindow> window_of(const FieldFrame& frame,
                                               const std::optional<Box3>& region_B, int every);
 
@@ -78,8 +80,8 @@ struct LatticeWindow {
 /// Number of samples by zone.
 struct SampleCount {
   Index known = 0;    ///< In the band.
-  Index outside = 0;  ///< Outside the band.
-  Index inside = 0;
+  Index outside = 0;  ///< Beyond the band, outside the surface.
+  Index inside = 0;   ///< Beyond the band, inside the surface.
   Index unknown = 0;
 
   /// Counts a sample, given as in SampleBlock.

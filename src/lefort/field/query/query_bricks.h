@@ -21,7 +21,8 @@ namespace lefort::field {
 void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
                    std::span<FieldSample> results, Simd simd = best_simd());
 
-/// The same without gradients: distances [mm], +-infinity outside the band, NaN if unknown.
+/// The same without gradients: distances [mm]; beyond the band +infinity outside the surface and
+/// -infinity inside it; NaN if unknown.
 ///
 /// \param samples       of the field.
 /// \param frame         its lattice.

@@ -29,7 +29,8 @@ struct FieldSlice {
   Vec3 right_B, down_B;  ///< Unit, along axes.
   double pixel_mm = 0.0;
   int columns = 0, rows = 0;
-  std::vector<double> distances_mm{};  ///< +-infinity outside the band, NaN if unknown.
+  /// By row from the top, columns from the left; values as of DistanceField::distances().
+  std::vector<double> distances_mm{};
 
   /// Center of a pixel.
   [[nodiscard]] Vec3 place(double column, double row) const {
@@ -58,15 +59,16 @@ inline constexpr int kMaxSliceSide = 16'000;
 ///
 /// \param field    to be evaluated.
 /// \param options  plane and resolution.
-/// \returns the slice; or kInvalidArgument as slice_extent(), if there are more than kMaxSliceSide
-///   pixels along an edge, or if `smooth` is set and the field is not smooth.
+/// \returns the slice; or kInvalidArgument as slice_extent(), if pixel_mm is not positive or gives
+///   more than kMaxSliceSide pixels along an edge, or if `smooth` is set and the field is not
+///   smooth.
 [[nodiscard]] Result<FieldSlice> slice_field(const DistanceField& field,
                                              const SliceOptions& options);
 
 /// Statistics of a slice.
 struct SliceSummary {
   SampleCount pixels{};
-  double inside_mm2 = 0.0;  ///< Area of pixels inside, both in the band and beyond it.
+  double inside_mm2 = 0.0;  ///< Area of pixels inside the surface, in and beyond the band.
   double min_mm = 0.0;      ///< Of distances in the band; 0 without any.
   double max_mm = 0.0;
   double zero_line_mm = 0.0;  ///< Length of the zero contour.

@@ -29,7 +29,8 @@ struct BrickSigns {
   }
 };
 
-/// Mask of an octant (x fastest) of a brick in any of its four words.
+/// Mask of the points of an octant (0 to 7, x fastest) of a brick, the same in each of the octant's
+/// four words.
 [[nodiscard]] inline std::uint64_t octant_columns(int octant) {
   const std::uint64_t rows = (octant >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
   return rows & ((octant & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
@@ -42,7 +43,7 @@ struct BrickSigns {
           first[2] + offset / (kSide * kSide)};
 }
 
-/// Signs of given distances.
+/// Signs of given distances; clear_of_surface remains empty.
 ///
 /// \param distances  NaN where unknown.
 [[nodiscard]] BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances);
@@ -50,8 +51,8 @@ struct BrickSigns {
 /// Propagates signs between neighbors that the surface cannot separate (flood fill).
 ///
 /// \param signs    has the signs of known points outside `to_find`; receives those found.
-/// \param to_find  known points without a sign; those found are removed. A point with neighbors of
-///   different sign is not found.
+/// \param to_find  known points without a sign; those found are removed. A point is not found if it
+///   is not clear of the surface or has neighbors of different sign.
 void propagate_signs(BrickSigns& signs, BrickBits& to_find);
 
 /// Pairs of known neighbors in the brick whose distances may be in conflict: with different signs,
@@ -59,8 +60,8 @@ void propagate_signs(BrickSigns& signs, BrickBits& to_find);
 /// along k.
 [[nodiscard]] std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs);
 
-/// True if a known point and an unknown neighbor in the brick have different signs: the surface
-/// cannot pass between them.
+/// True if a known point and an unsampled neighbor in the brick have different signs, although the
+/// surface cannot pass between them.
 ///
 /// \param known   known points.
 /// \param inside  of all points.

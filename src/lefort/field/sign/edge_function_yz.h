@@ -9,7 +9,7 @@
 
 namespace lefort::field {
 
-/// The edge from a to b, projected along x. Evaluates points for the same edge.
+/// The edge from a to b, projected along x.
 class EdgeFunctionYz {
  public:
   EdgeFunctionYz(const Vec3& a, const Vec3& b)
@@ -19,9 +19,10 @@ class EdgeFunctionYz {
         along_y_((swapped_ ? a.y() : b.y()) - from_y_),
         along_z_((swapped_ ? a.z() : b.z()) - from_z_) {}
 
-  /// Twice the signed area of (a, b, p) in the plane of y and z, never zero. Exactly the negative
-  /// value for the reversed edge, so both triangles of an edge agree, and a line along x through p
-  /// crosses a closed surface equally often in both directions, even if it grazes an edge.
+  /// Twice the signed area of (a, b, p) in the plane of y and z, positive if counter-clockwise,
+  /// never zero. Exactly the negative value for the reversed edge, so both triangles of an edge
+  /// agree, and a line along x through p crosses a closed surface equally often in both directions,
+  /// even if it touches an edge.
   [[nodiscard]] double evaluate(double y, double z) const {
     const double area = along_y_ * (z - from_z_) - along_z_ * (y - from_y_);
     const double sided = area == 0.0 ? 1e-300 : area;

@@ -13,25 +13,25 @@
 
 namespace lefort::field {
 
-/// Signs of all points of a brick: known points keep theirs, unsampled ones get that of the winding
-/// number, so that wrong signs near self-intersections do not spread.
+/// Signs of all points of a brick: known points keep theirs, unsampled ones get the sign of the
+/// winding number, so that wrong signs near self-intersections do not spread.
 ///
 /// The diagonal of 4 x 4 x 4 points is 5.2 cells. If the band is at least half as wide, unsampled
 /// points of such a block have the same sign, and eight evaluations are enough for a brick.
 ///
 /// \param signs    of the known points.
 /// \param winding  of the surface.
-/// \param brick    its number.
+/// \param brick    number of the brick.
 /// \param frame    lattice of the field.
 [[nodiscard]] BrickBits inside_with_unsampled(const BrickSigns& signs,
                                               const WindingScanlines& winding, std::int32_t brick,
                                               const FieldFrame& frame);
 
-/// Sets unsampled points (NaN) of a brick to +infinity outside and -infinity inside.
+/// Sets unsampled points (NaN) of a brick to +infinity outside the surface and -infinity inside it.
 ///
 /// \param distances  of the points of the brick.
 /// \param winding    of the surface.
-/// \param brick      its number.
+/// \param brick      number of the brick.
 /// \param frame      lattice of the field.
 void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> distances,
                               const WindingScanlines& winding, std::int32_t brick,
@@ -40,16 +40,16 @@ void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> dist
 /// Zone of a brick without known points.
 ///
 /// \param winding     of the surface.
-/// \param brick       its number.
+/// \param brick       number of the brick.
 /// \param resolution  of the lattice.
 [[nodiscard]] Zone zone_of_empty_brick(const WindingScanlines& winding, std::int32_t brick,
                                        int resolution);
 
-/// A signed distance for every lattice point: +-infinity outside the band, or NaN where an open
-/// surface leaves the sign unknown.
+/// A signed distance for every lattice point; beyond the band +infinity outside the surface and
+/// -infinity inside it, or NaN if the surface is open.
 struct SignedDistances {
   SparseLattice near;
-  std::vector<Zone> brick_zones;  ///< By brick number, of bricks that `near` does not have.
+  std::vector<Zone> brick_zones;  ///< By brick number; valid for bricks that `near` does not have.
 
   [[nodiscard]] float at(const LatticePoint& point) const;
 };

@@ -16,14 +16,14 @@ namespace lefort::field {
 
 /// Where a surface intersects itself, the sign of the closest feature may be wrong, but the winding
 /// number is right. In a brick with conflicts, between known points or between a known and an
-/// unsampled one, all points further than a cell from the surface get the sign of their winding
-/// number.
+/// unsampled one, all known points further than a cell from the surface get the sign of their
+/// winding number.
 ///
 /// \param distances  of the points of the brick, NaN where unknown.
 /// \param signs      of `distances`.
 /// \param inside     of all points, from inside_with_unsampled(); not used if `winding` is null.
 /// \param winding    of the surface, or null if it is open: then nothing changes.
-/// \param brick      its number.
+/// \param brick      number of the brick.
 /// \param frame      lattice of the field.
 /// \returns offsets of the points that are still in conflict with a neighbor in the brick; a point
 ///   may occur more than once.

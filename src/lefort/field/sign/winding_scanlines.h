@@ -24,8 +24,8 @@ class WindingScanlines {
   /// \param frame   lattice of the field.
   WindingScanlines(const geometry::TriangleMesh& mesh_B, const FieldFrame& frame);
 
-  /// True if the winding number at a lattice point is positive. \pre it is further than a cell from
-  /// the surface.
+  /// True if the winding number at a lattice point is positive; false outside the cube. \pre the
+  /// point is further than a cell from the surface.
   [[nodiscard]] bool is_inside(const LatticePoint& point) const;
 
  private:
@@ -35,7 +35,7 @@ class WindingScanlines {
   };
 
   int resolution_;
-  /// Offset of the crossings of each line, y fastest; and their end.
+  /// Offset of the crossings of each line, y fastest; one more, the end.
   std::vector<std::uint32_t> first_;
   std::vector<Crossing> crossings_;  ///< By line, then by x.
 };

@@ -3,9 +3,9 @@
 /// default.
 ///
 /// A leaf has 4 x 4 x 4 samples. Eight leaves form a brick, the unit in which fields are built. A
-/// table of all bricks states which leaves are stored, and where. For a leaf beyond the band, one
-/// bit states whether it is inside or outside. So memory is proportional to the area of the
-/// surface, plus the table (1/64 byte per cell).
+/// table of all bricks states which leaves are stored, and where. For a leaf without distances, two
+/// bits state whether it is inside or outside the surface, or unknown. So memory is proportional to
+/// the area of the surface, plus the table (1/64 byte per cell).
 #pragma once
 
 #include <lefort/core/types.h>
@@ -53,7 +53,7 @@ class BrickSamples {
   static constexpr std::int32_t kBeyond = (1 << 23) - 1;
   /// The sign is not known.
   static constexpr std::int32_t kUnknown = -(1 << 23);
-  /// The edge of the band, with a margin for rounding.
+  /// Code of the distance band_mm, with a margin below kBeyond for rounding.
   static constexpr std::int32_t kLargest = kBeyond - 8;
 
   BrickSamples() = default;
@@ -72,7 +72,7 @@ class BrickSamples {
   BrickSamples(int resolution, double band_mm, std::span<const Brick> bricks,
                std::span<const std::byte> codes, std::shared_ptr<const void> owner);
 
-  /// The samples around the cell with lowest corner `low`, 0 <= low < resolution.
+  /// The samples at the corners of the cell with lowest corner `low`, 0 <= low < resolution.
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
 
   // Coordinates of the points below are from 0 to resolution.

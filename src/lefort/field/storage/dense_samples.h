@@ -20,8 +20,8 @@ class DenseSamples {
  public:
   DenseSamples() = default;
   /// \param resolution  cells along an edge of the cube.
-  /// \param values      (resolution + 1)^3 distances [mm], x fastest; +-infinity or NaN outside the
-  ///   band.
+  /// \param values      (resolution + 1)^3 distances [mm], x fastest; beyond the band +infinity
+  ///   outside the surface, -infinity inside it, or NaN.
   DenseSamples(int resolution, std::vector<float> values);
 
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;

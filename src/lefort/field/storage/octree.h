@@ -23,9 +23,9 @@ enum class NodeCode : char {
   /// Eight children follow; if these are finest cells, FineCells in two letters.
   kBranch = '+',
   kBand = '#',     ///< Leaf in the band: it has samples at its corners.
-  kOutside = 'o',  ///< Leaf outside the band.
-  kInside = 'i',
-  kUnknown = '?',
+  kOutside = 'o',  ///< Leaf beyond the band, outside the surface.
+  kInside = 'i',   ///< Leaf beyond the band, inside the surface.
+  kUnknown = '?',  ///< Leaf of unknown zone.
 };
 
 /// The letter of a leaf.
@@ -35,7 +35,7 @@ enum class NodeCode : char {
 /// own.
 struct FineCells {
   std::uint8_t band = 0;         ///< Leaves in the band, as bits.
-  Zone others = Zone::kUnknown;  ///< Zone of the others.
+  Zone others = Zone::kUnknown;  ///< Zone of the others; kUnknown if they differ.
 };
 
 /// Appends two letters for eight finest cells.
@@ -59,14 +59,14 @@ class Octree {
   /// Encodes the tree.
   [[nodiscard]] std::string codes() const;
 
-  /// Corner samples in the order of sample_points(); to be set after decoding.
+  /// Corner samples [mm] in the order of sample_points(); to be set after decoding.
   [[nodiscard]] std::span<const float> samples() const { return samples_; }
   [[nodiscard]] std::span<float> samples() { return samples_; }
 
   /// Lattice points of the corner samples.
   [[nodiscard]] std::vector<LatticePoint> sample_points() const { return index_.points(); }
 
-  /// The leaf that contains a cell; outside the band all its corners represent its zone.
+  /// The leaf that contains a cell; beyond the band all corners have the side_value() of its zone.
   ///
   /// \param cell  0 <= coordinates < resolution.
   [[nodiscard]] CellSamples cell(const LatticePoint& cell) const;
@@ -80,7 +80,7 @@ class Octree {
 
  private:
   int resolution_ = 0;
-  /// Position of the first of eight children, or the kind of leaf.
+  /// Position of the first of eight children, the zone of a leaf, or FineCells.
   std::vector<std::int32_t> nodes_;
   SampleIndex index_;
   std::vector<float> samples_;

@@ -31,7 +31,7 @@ namespace lefort::field {
 
 /// Classifies the eight finest cells of a cube with two cells per edge.
 ///
-/// \param value_at  float(LatticePoint), +-infinity or NaN outside the band.
+/// \param value_at  float(LatticePoint), +-infinity or NaN beyond the band.
 /// \param low       lowest corner of the cube.
 /// \param cell_mm   spacing of the lattice.
 template <class ValueAt>
@@ -57,7 +57,7 @@ template <class ValueAt>
 /// True if interpolation from the corners of a cube reproduces all samples in it. Tests the center
 /// first, where most cubes fail.
 ///
-/// \param value_at      float(LatticePoint), +-infinity or NaN outside the band.
+/// \param value_at      float(LatticePoint), +-infinity or NaN beyond the band.
 /// \param low           lowest corner of the cube.
 /// \param cells         cells along an edge of the cube.
 /// \param tolerance_mm  largest error allowed.

@@ -11,8 +11,8 @@
 
 namespace lefort::field {
 
-/// One bit per lattice point, in bricks; the number of a sample is the count of bits before its
-/// own. So leaves need not store the numbers of their corners, which would take eight times the
+/// One bit per lattice point, in bricks; the number of a sample is the count of set bits before its
+/// bit. So leaves need not store the numbers of their corners, which would take eight times the
 /// memory of the samples.
 class SampleIndex {
  public:

@@ -15,9 +15,9 @@ namespace lefort::field {
 /// The values near a surface, without those in conflict.
 ///
 /// \param values         of the band.
-/// \param cell           spacing of the lattice; also the max difference between neighbors of a
-///   distance field. Larger differences are sign conflicts beyond the boundary of an open surface:
-///   both values become NaN.
+/// \param cell           spacing of the lattice [mm]; also the max difference between neighbors of
+///   a distance field. Larger differences are sign conflicts, for example beyond the boundary of an
+///   open surface: both values become NaN.
 /// \param max_magnitude  a brick is kept if one of its values has at most this magnitude [mm].
 [[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell,
                                            double max_magnitude);

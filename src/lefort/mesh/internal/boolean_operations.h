@@ -1,6 +1,6 @@
 /// \file
-/// Boolean operations on closed surfaces by corefinement (CGAL). No other file instantiates it,
-/// because it is among the templates that take longest to compile.
+/// Boolean operations on closed surfaces by corefinement (CGAL). Only boolean_operations.cpp
+/// instantiates its templates, because they are among those that take longest to compile.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>

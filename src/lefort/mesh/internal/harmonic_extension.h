@@ -20,8 +20,8 @@ class HarmonicExtension {
   /// \param constraints  of the nodes of `tets`; must outlive this object.
   HarmonicExtension(const VolumeMesh& tets, const LayerConstraints& constraints);
 
-  /// Solves Laplace's equation for each component of the displacement. The solution of a
-  /// displacement that is linear in space strains all elements alike.
+  /// Solves Laplace's equation for each component of the displacement. If the prescribed
+  /// displacements are linear in space, so is the solution, and all elements have the same strain.
   ///
   /// Conjugate gradients (\cite nocedal2006, algorithm 5.3), preconditioned by the diagonal, in the
   /// subspace of the displacements that the constraints allow. All three components are solved at

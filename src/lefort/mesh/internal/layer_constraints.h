@@ -12,8 +12,8 @@
 
 namespace lefort::mesh::internal {
 
-/// Largest distance from a cut plane of a node that lies in it [mm]. Boundary nodes of the mesh
-/// generator lie within 0.01 mm of their surface; five times that.
+/// Max distance from a cut plane at which a node counts as lying in it [mm]: five times the default
+/// TetOptions::level_tolerance_mm.
 inline constexpr double kOnPlane_mm = 0.05;
 
 /// \returns whether a point lies in a cut plane, within kOnPlane_mm.
@@ -33,7 +33,7 @@ class LayerConstraints {
     for (const Vec3& n : blocked_[node]) displacement -= n.dot(displacement) * n;
     return displacement;
   }
-  /// \returns orthonormal directions in which the node must not move, of at most three.
+  /// \returns at most three orthonormal directions in which the node must not move.
   [[nodiscard]] std::span<const Vec3> blocked_directions(std::size_t node) const {
     return blocked_[node];
   }

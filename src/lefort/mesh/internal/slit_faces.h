@@ -9,12 +9,12 @@
 
 namespace lefort::mesh::internal {
 
-/// A face between two elements, numbered through all blocks.
+/// A face between two elements; elements are numbered through all blocks.
 struct InnerFace {
   Face face;  ///< Counter-clockwise seen from outside the first element.
   Index first = 0, second = 0;
   bool is_within = false;  ///< Its center lies inside the border of the slit.
-  bool is_cut = false;     ///< The slit passes through it.
+  bool is_cut = false;     ///< It lies between the two sides of the slit.
 };
 
 /// \returns all faces between two elements, with is_within, in the order of the first element.
