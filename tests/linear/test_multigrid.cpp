@@ -217,7 +217,9 @@ TEST(Multigrid, DetectsAnIndefiniteMatrix) {
   SparseMatrix A = example.A;
   A.coeffRef(300, 300) = -1.0;  // In a diagonal block.
   set(A);
-  EXPECT_FALSE(Multigrid::build(example.blocks.matrix(), example.modes).has_value());
+  const auto refused = Multigrid::build(example.blocks.matrix(), example.modes);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error(), LinearSolveStatus::kNotPositiveDefinite);
   A = example.A;
   A.diagonal() *= 0.6;  // Only the whole matrix is indefinite.
   set(A);

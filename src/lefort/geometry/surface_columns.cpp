@@ -5,6 +5,13 @@
 #include <cmath>
 
 namespace lefort::geometry {
+namespace {
+
+/// Pixels are offset by a fraction without a short binary form: no line meets a vertex of a surface
+/// that lies on the grid of a scan.
+constexpr double kOffset = 0.5128205;
+
+}  // namespace
 
 SurfaceColumns::SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& window,
                                double pixel_mm)
@@ -33,9 +40,6 @@ SurfaceColumns::SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& w
 template <class OnCrossing>
 void SurfaceColumns::visit_triangle(const TriangleMesh& mesh, Index triangle,
                                     const OnCrossing& on_crossing) const {
-  // Pixels are offset by a fraction without a short binary form: no line meets a vertex of a
-  // surface that lies on the grid of a scan.
-  constexpr double kOffset = 0.5128205;
   std::array<Eigen::Vector2d, 3> at;
   for (int c = 0; c < 3; ++c) {
     const Vec3 p = mesh.corner(triangle, c) - window_.min();
@@ -76,7 +80,6 @@ std::optional<Index> SurfaceColumns::line_at(const Vec3& p) const {
 }
 
 Vec3 SurfaceColumns::point_of(Index line, double coordinate) const {
-  constexpr double kOffset = 0.5128205;  // As of visit_triangle().
   Vec3 p = window_.min();
   p[axis_] = coordinate;
   p[across_] += (double(line % columns_) + kOffset) * pixel_mm_;

@@ -418,7 +418,7 @@ class PlanWriter {
       const std::int64_t offset = layout.offset(tile_i, tile_j) +
                                   std::int64_t(j - layout.start(tile_j)) * layout.size(tile_i) + i -
                                   layout.start(tile_i);
-      LEFORT_CHECK(offset <= std::numeric_limits<std::uint32_t>::max());
+      if (offset > std::numeric_limits<std::uint32_t>::max()) throw std::bad_alloc();
       plan_.entries.push_back({k, std::uint32_t(offset)});
     }
     plan_.entry_start.push_back(std::int64_t(plan_.entries.size()));

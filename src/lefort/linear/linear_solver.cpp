@@ -142,10 +142,12 @@ struct LinearSolver::Parts {
   [[nodiscard]] LinearSolveStatus build_multigrid() {
     ++statistics.factorizations;
     multigrid.reset();  // Frees memory first.
-    multigrid = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
+    auto built = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
+    if (!built) return built.error();
+    multigrid = *std::move(built);
     multigrid_is_new = true;
     multigrid_is_outdated = false;
-    return multigrid ? LinearSolveStatus::kDone : LinearSolveStatus::kNotPositiveDefinite;
+    return LinearSolveStatus::kDone;
   }
 
   /// Conjugate gradients with `precondition`, on vectors over the rows of the blocks.

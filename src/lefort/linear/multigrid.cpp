@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -191,6 +193,13 @@ struct Multigrid::Hierarchy {
     return next;
   }
 
+  /// \throws std::bad_alloc if memory is exhausted.
+  [[nodiscard]] VectorX solve_coarsest(const VectorX& b) const {
+    std::optional<VectorX> x = coarsest->solve(b);
+    if (!x) throw std::bad_alloc();
+    return *std::move(x);
+  }
+
   template <int kRows>
   [[nodiscard]] VectorX cycle(const Level<kRows>& level, std::size_t next, const VectorX& b) const {
     VectorX x;
@@ -199,8 +208,8 @@ struct Multigrid::Hierarchy {
     multiply(*level.A, x, r);
     r = b - r;
     multiply(level.to_coarse, r, coarse_r);
-    const VectorX coarse_x = next < coarse.size() ? cycle(coarse[next], next + 1, coarse_r)
-                                                  : coarsest->solve(coarse_r).value();
+    const VectorX coarse_x =
+        next < coarse.size() ? cycle(coarse[next], next + 1, coarse_r) : solve_coarsest(coarse_r);
     multiply(level.to_fine, coarse_x, correction);
     x += correction;
     smooth(level, options, b, x);
@@ -208,8 +217,9 @@ struct Multigrid::Hierarchy {
   }
 };
 
-std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> modes,
-                                          const MultigridOptions& options) {
+tl::expected<Multigrid, LinearSolveStatus> Multigrid::build(const BlockMatrix<3, 3>& A,
+                                                            Modes<3> modes,
+                                                            const MultigridOptions& options) {
   constexpr double kMaxRowRatio = 0.8;  // Larger ratios of the rows of two levels do not pay.
   LEFORT_CHECK(Index(modes.size()) == A.rows());
   auto hierarchy = std::make_unique<Hierarchy>();
@@ -234,18 +244,18 @@ std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> m
     level.A = &level.own_A;
     next = hierarchy->coarsen(level, threshold, here, coarse_modes);
   }
-  if (!next) return std::nullopt;
+  if (!next) return tl::unexpected(LinearSolveStatus::kNotPositiveDefinite);
   // Growth of the vector has moved them.
   for (Level<6>& level : hierarchy->coarse) level.A = &level.own_A;
   hierarchy->complexity = double(numbers) / double(A.values.size());
 
   const SparseMatrix coarsest = lower_triangle(*next);
   std::optional<CholeskyPlan> plan = plan_cholesky(coarsest);
-  if (!plan) return std::nullopt;
+  if (!plan) return tl::unexpected(LinearSolveStatus::kOutOfMemory);
   hierarchy->coarsest = std::make_unique<SparseCholesky>(*std::move(plan), kCoarsestBytes);
-  if (hierarchy->coarsest->factorize({coarsest.valuePtr(), std::size_t(coarsest.nonZeros())}) !=
-      LinearSolveStatus::kDone)
-    return std::nullopt;
+  const LinearSolveStatus status =
+      hierarchy->coarsest->factorize({coarsest.valuePtr(), std::size_t(coarsest.nonZeros())});
+  if (status != LinearSolveStatus::kDone) return tl::unexpected(status);
   return Multigrid(std::move(hierarchy));
 }
 

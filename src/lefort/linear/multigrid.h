@@ -9,10 +9,12 @@
 #include <lefort/core/types.h>
 #include <lefort/linear/aggregate.h>
 #include <lefort/linear/block_matrix.h>
+#include <lefort/linear/linear_solve_status.h>
+
+#include <tl/expected.hpp>
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 
 namespace lefort::linear {
@@ -36,10 +38,11 @@ class Multigrid {
   /// \param A        symmetric; must outlive the hierarchy.
   /// \param modes    rigid-body modes of the rows of A.
   /// \param options  constants of the method.
-  /// \returns nothing if A is found not to be positive definite, or the factor of the coarsest
-  ///   matrix exceeds 4 GiB or the memory.
-  [[nodiscard]] static std::optional<Multigrid> build(const BlockMatrix<3, 3>& A, Modes<3> modes,
-                                                      const MultigridOptions& options = {});
+  /// \returns the hierarchy, or
+  ///   - kNotPositiveDefinite  A is found not to be positive definite;
+  ///   - kOutOfMemory          the factor of the coarsest matrix exceeds 4 GiB or the memory.
+  [[nodiscard]] static tl::expected<Multigrid, LinearSolveStatus> build(
+      const BlockMatrix<3, 3>& A, Modes<3> modes, const MultigridOptions& options = {});
   ~Multigrid();
   Multigrid(Multigrid&&) noexcept;
   Multigrid& operator=(Multigrid&&) noexcept;

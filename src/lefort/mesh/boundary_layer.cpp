@@ -172,7 +172,8 @@ class BoundaryLayerBuilder {
 Result<void> check(const BoundaryLayerOptions& options) {
   if (!(options.thickness_mm > 0.0 && options.thickness_mm < 1e3))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the thickness of the boundary layer is {} mm, must be above 0",
+                fmt::format("the thickness of the boundary layer is {} mm, must be above 0 and "
+                            "below 1000",
                             options.thickness_mm));
   if (!(options.layers >= 1 && options.layers <= 8))
     return fail(ErrorCode::kInvalidArgument,

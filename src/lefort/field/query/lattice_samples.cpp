@@ -19,7 +19,7 @@ constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
 /// Blocks that are read before they are passed on.
 constexpr Index kWave = 4096;
 
-/// Samples of a block and one layer leaf_at it, for the detection of sign conflicts.
+/// Samples of a block and one layer around it, for the detection of sign conflicts.
 class BlockNeighborhood {
  public:
   static constexpr int kAcross = kBrickSide + 2;
@@ -127,7 +127,7 @@ class Leaves {
         }
   }
 
-  /// The sample at a point, from the smallest leaf leaf_at it that has one.
+  /// The sample at a point, from the smallest leaf around it that has one.
   [[nodiscard]] float at(const LatticePoint& point) const {
     const CellSamples* smallest = nullptr;
     bool outside = false, inside = false, unknown = false;

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/field/storage/octree.h>
+#include <lefort/field/storage/octree_cells.h>
 
 #include <fmt/format.h>
 
@@ -28,11 +29,6 @@ FineCells fine_cells(std::int32_t node) {
   return {std::uint8_t(packed & 0xFF), Zone(packed >> 8)};
 }
 
-LatticePoint corner_of(const LatticePoint& low, int corner, int cells) {
-  return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
-          low[2] + (corner >> 2) * cells};
-}
-
 struct Decoder {
   std::string_view codes;
   std::vector<std::int32_t> nodes = {0};
@@ -42,7 +38,7 @@ struct Decoder {
 
   bool mark_corners(const LatticePoint& low, int cells) {
     for (int corner = 0; corner < 8; ++corner)
-      if (index.mark(corner_of(low, corner, cells))) --samples_left;
+      if (index.mark(corner_point(low, corner, cells))) --samples_left;
     return samples_left >= 0;
   }
 
@@ -87,7 +83,7 @@ struct Decoder {
     next += 2;
     nodes[slot] = fine_node(cells);
     for (int child = 0; child < 8; ++child)
-      if ((cells.band >> child & 1) != 0 && !mark_corners(corner_of(low, child, 1), 1))
+      if ((cells.band >> child & 1) != 0 && !mark_corners(corner_point(low, child, 1), 1))
         return false;
     return true;
   }
@@ -98,7 +94,7 @@ struct Decoder {
     nodes[slot] = std::int32_t(first);
     nodes.resize(first + 8);
     for (int child = 0; child < 8; ++child)
-      if (!read(first + std::size_t(child), corner_of(low, child, cells), cells)) return false;
+      if (!read(first + std::size_t(child), corner_point(low, child, cells), cells)) return false;
     return true;
   }
 };
@@ -198,7 +194,7 @@ CellSamples Octree::cell(const LatticePoint& cell) const {
   }
   for (int corner = 0; corner < 8; ++corner)
     leaf.corners[std::size_t(corner)] =
-        samples_[index_.number_of(corner_of(leaf.low, corner, leaf.cells))];
+        samples_[index_.number_of(corner_point(leaf.low, corner, leaf.cells))];
   return leaf;
 }
 

@@ -3,8 +3,6 @@
 
 namespace lefort::field {
 
-namespace {}  // namespace
-
 SampleIndex::SampleIndex(int resolution) : side_(resolution / kBrickSide + 1) {
   LEFORT_CHECK(resolution > 0 && resolution % kBrickSide == 0);
   const auto n = std::size_t(side_);
