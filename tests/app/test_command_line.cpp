@@ -191,7 +191,7 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
   EXPECT_EQ(info["checksum"], "ok");
   EXPECT_TRUE(info["closed"] && info["smooth"]);
   EXPECT_EQ(info["band_mm"], 2.0);
-  EXPECT_EQ(info["surface"]["parts"], 1);
+  EXPECT_EQ(info["surface"]["components"], 1);
   EXPECT_EQ(info["surface"]["triangles"], 20 * 256);
   EXPECT_EQ(info["surface"]["flipped_triangles"], 0);
   EXPECT_GT(info["memory_bytes"]["codes"], 10'000);

@@ -230,7 +230,7 @@ TEST(PrepareSurface, ComponentsThatTouchAtACornerDoNotEncloseEachOther) {
       const TriangleMesh both = swapped ? test::join(other, one) : test::join(one, other);
       const PreparedSurface surface =
           prepare_surface(test::moved(test::turn_inside_out(both), X)).value();
-      EXPECT_EQ(surface.parts, 2);
+      EXPECT_EQ(surface.components, 2);
       EXPECT_NEAR(volume_mm3(surface), 9.0, 1e-9) << turn;
     }
   }

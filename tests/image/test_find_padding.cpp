@@ -32,7 +32,7 @@ TEST(FindPadding, ARoundFieldOfViewAroundTheWholeHeadCutsNothing) {
     const Padding padding = find_padding(round_scan(69.0, hu), kTissueHu);
     EXPECT_EQ(padding.hu, hu);
     EXPECT_NEAR(padding.fraction, 1.0 - std::numbers::pi * 69.0 * 69.0 / (141.0 * 141.0), 0.01);
-    EXPECT_EQ(padding.cut_mm2, 0.0);
+    EXPECT_EQ(padding.truncated_mm2, 0.0);
   }
 }
 
@@ -41,17 +41,17 @@ TEST(FindPadding, AFieldOfViewWithinTheHeadCutsItAllAround) {
     const Padding padding = find_padding(round_scan(50.0, hu), kTissueHu);
     EXPECT_EQ(padding.hu, hu);
     // The projected width of a circle along each axis is its diameter; the height is 10 mm.
-    EXPECT_NEAR(padding.cut_mm2, 4.0 * 101.0 * 10.0, 1.0);
+    EXPECT_NEAR(padding.truncated_mm2, 4.0 * 101.0 * 10.0, 1.0);
   }
 }
 
 TEST(FindPadding, AScanWithoutPaddingHasNone) {
   CtVolume ct = round_scan(200.0, 0);
   EXPECT_LT(find_padding(ct, kTissueHu).fraction, 0.02);  // Only at the faces of the grid.
-  EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
+  EXPECT_EQ(find_padding(ct, kTissueHu).truncated_mm2, 0.0);
   // A head that fills the grid is truncated by the grid, not by padding.
   ct = round_scan(200.0, 0, 150.0);
-  EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
+  EXPECT_EQ(find_padding(ct, kTissueHu).truncated_mm2, 0.0);
   EXPECT_EQ(find_padding({}, kTissueHu).fraction, 0.0);
 }
 

@@ -138,7 +138,7 @@ TEST(FieldFile, StoresItsSource) {
   ASSERT_TRUE(field.source());
   const field::FieldSource& source = *field.source();
   EXPECT_EQ(source.triangles, 320 + 2);
-  EXPECT_EQ(source.parts, 2);
+  EXPECT_EQ(source.components, 2);
   EXPECT_EQ(source.report.flipped_triangles, 1);
   EXPECT_EQ(source.report.degenerate_triangles, 1);
   EXPECT_EQ(source.report.duplicate_triangles, 1);

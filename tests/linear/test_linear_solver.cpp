@@ -146,7 +146,7 @@ TEST(LinearSolver, AllKindsGiveTheSameSolution) {
     }
   }
   EXPECT_EQ(multigrid.kind(), LinearSolverKind::kMultigrid);
-  EXPECT_EQ(multigrid.statistics().analyzes, 1);
+  EXPECT_EQ(multigrid.statistics().analyses, 1);
   EXPECT_GT(multigrid.statistics().iterations, 0);
 }
 

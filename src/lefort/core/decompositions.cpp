@@ -27,7 +27,7 @@ SymmetricEigen<4> tridiagonal_eigen(const Eigen::Vector4d& diagonal, const Vec3&
   return {scale * solver.eigenvalues(), solver.eigenvectors()};
 }
 
-SingularValues singular_value_decomposition(const Mat3& A) {
+SingularValueDecomposition singular_value_decomposition(const Mat3& A) {
   const Eigen::JacobiSVD<Mat3> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
 }

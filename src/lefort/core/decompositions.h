@@ -27,13 +27,13 @@ struct SymmetricEigen {
                                                   const Vec3& subdiagonal);
 
 /// A = U diag(values) V^T.
-struct SingularValues {
+struct SingularValueDecomposition {
   Mat3 U;
   Vec3 values;  ///< Descending, >= 0.
   Mat3 V;
 };
 
-[[nodiscard]] SingularValues singular_value_decomposition(const Mat3& A);
+[[nodiscard]] SingularValueDecomposition singular_value_decomposition(const Mat3& A);
 
 /// \returns the singular values of A, descending.
 [[nodiscard]] Vec3 singular_values(const Mat3& A);

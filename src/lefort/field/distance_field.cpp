@@ -89,7 +89,7 @@ void DistanceField::distances(std::span<const Vec3> p_B, std::span<float> distan
     return distances_in_bricks(*bricks, frame_, p_B, distances_mm);
   for (std::size_t i = 0; i < p_B.size(); ++i) {
     const FieldSample found = sample(p_B[i]);
-    distances_mm[i] = found.zone == Zone::kBand ? float(found.distance_mm) : side_value(found.zone);
+    distances_mm[i] = found.zone == Zone::kBand ? float(found.distance_mm) : zone_value(found.zone);
   }
 }
 

@@ -23,8 +23,8 @@ struct MeshRepairReport {
 
 /// Properties of the surface a field was built from.
 struct FieldSource {
-  Index triangles = 0;  ///< After repair.
-  Index parts = 0;      ///< Components, connected by edges.
+  Index triangles = 0;   ///< After repair.
+  Index components = 0;  ///< Components, connected by edges.
   MeshRepairReport report{};
 
   bool operator==(const FieldSource&) const = default;

@@ -33,7 +33,7 @@ Padding find_padding(const CtVolume& ct, double tissue_hu) {
           is_padded[at()] = true;
         }
         if (n > 0 && n < length && double(ct.values[at()]) >= tissue_hu)
-          padding.cut_mm2 += face_mm2;
+          padding.truncated_mm2 += face_mm2;
       }
     }
   }

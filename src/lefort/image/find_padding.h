@@ -13,7 +13,7 @@ struct Padding {
   std::int16_t hu = 0;    ///< CT number of padding voxels [HU].
   double fraction = 0.0;  ///< Fraction of voxels that are padding, 0 to 1.
   /// Area where padding borders on tissue, summed over faces normal to the axes.
-  double cut_mm2 = 0.0;
+  double truncated_mm2 = 0.0;
 };
 
 /// Finds voxels of one constant value that extend inward from the faces of the grid, line by line.

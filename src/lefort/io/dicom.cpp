@@ -1,4 +1,4 @@
-#include <lefort/image/resample_gantry_tilt.h>
+#include <lefort/image/resample_slices.h>
 #include <lefort/io/dicom.h>
 #include <lefort/io/internal/dicom_header.h>
 #include <lefort/io/internal/dicom_stack.h>
@@ -180,7 +180,7 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
   if (stack.origins_L.empty()) return ct;
   // Filled with the lowest value of the scan, so that the check for HU values still works.
   const std::int16_t outside = *std::min_element(ct.values.begin(), ct.values.end());
-  return image::resample_gantry_tilt(ct, stack.origins_L, stack.grid, outside);
+  return image::resample_slices(ct, stack.origins_L, stack.grid, outside);
 }
 
 /// Files of unknown series may be slices of the scan. A few may be a damaged scout or report; more

@@ -173,7 +173,7 @@ auto findings_of(auto& report) {
 
 void set_source(const field::FieldSource& source, Header& header) {
   header.triangles = std::uint64_t(source.triangles);
-  header.parts = std::uint64_t(source.parts);
+  header.parts = std::uint64_t(source.components);
   std::size_t n = 0;
   for (const Index* const finding : findings_of(source.report))
     header.findings[n++] =

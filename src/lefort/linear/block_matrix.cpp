@@ -46,11 +46,11 @@ std::vector<std::int32_t> first_blocks(const PatternGraph& graph) {
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
   const PatternGraph graph = pattern_graph(A);
   const std::vector<std::int32_t> first = first_blocks(graph);
-  block_row_.resize(std::size_t(A.rows()));
+  row_in_blocks_.resize(std::size_t(A.rows()));
   matrix_.columns = first.back();
   for (std::int32_t v = 0; v < graph.vertex_count(); ++v) {
     for (std::int32_t r = 0; r < graph.rows(v); ++r)
-      block_row_[std::size_t(graph.first_row[std::size_t(v)] + r)] =
+      row_in_blocks_[std::size_t(graph.first_row[std::size_t(v)] + r)] =
           kBlock * first[std::size_t(v)] + r;
     const auto add_blocks_of = [&](std::int32_t u) {
       for (std::int32_t b = first[std::size_t(u)]; b < first[std::size_t(u) + 1]; ++b)
@@ -78,9 +78,9 @@ SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
   offset_.resize(std::size_t(A.nonZeros()));
   mirror_offset_.resize(std::size_t(A.nonZeros()));
   parallel_for(A.cols(), [&](Index column) {
-    const std::int32_t j = block_row(column);
+    const std::int32_t j = row_in_blocks(column);
     for (int k = A.outerIndexPtr()[column]; k < A.outerIndexPtr()[column + 1]; ++k) {
-      const std::int32_t i = block_row(A.innerIndexPtr()[k]);
+      const std::int32_t i = row_in_blocks(A.innerIndexPtr()[k]);
       offset_[std::size_t(k)] = offset_of(i, j);
       mirror_offset_[std::size_t(k)] = offset_of(j, i);
     }
@@ -103,13 +103,13 @@ void SymmetricBlocks::set_values(std::span<const double> values) {
 
 VectorX SymmetricBlocks::to_blocks(const VectorX& x) const {
   VectorX blocks = VectorX::Zero(Index(kBlock) * matrix_.rows());
-  for (Index i = 0; i < x.size(); ++i) blocks[block_row(i)] = x[i];
+  for (Index i = 0; i < x.size(); ++i) blocks[row_in_blocks(i)] = x[i];
   return blocks;
 }
 
 VectorX SymmetricBlocks::from_blocks(const VectorX& x) const {
-  VectorX rows(Index(block_row_.size()));
-  for (Index i = 0; i < rows.size(); ++i) rows[i] = x[block_row(i)];
+  VectorX rows(Index(row_in_blocks_.size()));
+  for (Index i = 0; i < rows.size(); ++i) rows[i] = x[row_in_blocks(i)];
   return rows;
 }
 

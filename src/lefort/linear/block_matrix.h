@@ -73,7 +73,7 @@ class SymmetricBlocks {
   [[nodiscard]] const BlockMatrix<3, 3>& matrix() const { return matrix_; }
 
   /// The row (not block row) of matrix() that contains row i of A.
-  [[nodiscard]] std::int32_t block_row(Index i) const { return block_row_[std::size_t(i)]; }
+  [[nodiscard]] std::int32_t row_in_blocks(Index i) const { return row_in_blocks_[std::size_t(i)]; }
 
   /// Converts between vectors over the rows of A and over the rows of matrix(); padded entries are
   /// zero.
@@ -82,7 +82,7 @@ class SymmetricBlocks {
 
  private:
   BlockMatrix<3, 3> matrix_;
-  std::vector<std::int32_t> block_row_;
+  std::vector<std::int32_t> row_in_blocks_;
   std::vector<std::int32_t> offset_;  ///< For each value of A: its position in matrix_.values.
   /// The same for the transposed entry above the diagonal.
   std::vector<std::int32_t> mirror_offset_;

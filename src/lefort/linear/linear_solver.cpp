@@ -95,7 +95,7 @@ struct LinearSolver::Parts {
     blocks.reset();
     multigrid.reset();
     has_factor = factor_is_outdated = false;
-    ++statistics.analyzes;
+    ++statistics.analyses;
     statistics.factor_entries = 0.0;
     if (wanted != LinearSolverKind::kMultigrid) {
       std::optional<CholeskyPlan> plan = plan_cholesky(A);

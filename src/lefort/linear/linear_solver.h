@@ -83,7 +83,7 @@ class LinearSolver {
 
   /// Counts since construction.
   struct Statistics {
-    int analyzes = 0;             ///< Analyses of patterns.
+    int analyses = 0;             ///< Analyses of patterns.
     int factorizations = 0;       ///< Factorizations, or hierarchies built.
     int iterations = 0;           ///< Iterations of conjugate gradients.
     double factor_entries = 0.0;  ///< Of the current factor, 8 bytes each; 0 with multigrid.

@@ -286,7 +286,7 @@ Modes<3> rigid_modes(std::span<const Vec3> points, std::span<const std::int32_t>
   const double size = squared > 0.0 ? std::sqrt(squared / double(n)) : 1.0;
   Modes<3> modes(std::size_t(blocks.matrix().rows()), Modes<3>::value_type::Zero());
   for (Index i = 0; i < n; ++i) {
-    const std::int32_t row = blocks.block_row(i);
+    const std::int32_t row = blocks.row_in_blocks(i);
     const std::int32_t c = components[std::size_t(i)];
     const Vec3 x = (points[std::size_t(i)] - middle) / size;
     auto mode = modes[std::size_t(row / 3)].row(row % 3);

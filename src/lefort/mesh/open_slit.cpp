@@ -22,7 +22,7 @@ struct Stars {
 Stars stars_of(const VolumeMesh& mesh, const std::vector<InnerFace>& faces) {
   Stars stars;
   for (const InnerFace& face : faces)
-    if (face.is_cut)
+    if (face.is_on_slit)
       for (const std::int32_t node : nodes_of(face.face)) stars.elements[node];
   Index element = 0;
   for (const ElementBlock& block : mesh.blocks)
@@ -32,7 +32,7 @@ Stars stars_of(const VolumeMesh& mesh, const std::vector<InnerFace>& faces) {
             star != stars.elements.end())
           star->second.push_back(element);
   for (const InnerFace& face : faces)
-    if (!face.is_cut)
+    if (!face.is_on_slit)
       for (const std::int32_t node : nodes_of(face.face))
         if (stars.elements.contains(node)) stars.joined[node].push_back({face.first, face.second});
   return stars;
@@ -100,7 +100,7 @@ void add_faces(SlitMesh& slit, const std::vector<InnerFace>& faces, const std::v
                const Replaced& replaced) {
   std::map<std::pair<std::int32_t, std::int32_t>, double> area_of_pair;
   for (const InnerFace& cut : faces) {
-    if (!cut.is_cut) continue;
+    if (!cut.is_on_slit) continue;
     const auto of_element = [&, &cut = cut](Index element, Face face) {
       for (int n = 0; n < node_count(face.shape); ++n)
         if (const auto at = replaced.find({element, face.nodes[std::size_t(n)]});
@@ -133,12 +133,12 @@ SlitMesh open_slit(VolumeMesh mesh, const SlitSurface& surface,
                    const std::function<bool(const Vec3&)>& is_inside_L) {
   LEFORT_CHECK(mesh.node_sets.empty() && mesh.face_sets.empty());
   std::vector<InnerFace> faces = internal::inner_faces(mesh, surface);
-  const std::vector<char> side = internal::cut_faces(mesh, surface, faces);
+  const std::vector<char> side = internal::mark_slit_faces(mesh, surface, faces);
   SlitMesh slit;
-  const bool is_cut =
-      std::any_of(faces.begin(), faces.end(), [](const InnerFace& face) { return face.is_cut; });
+  const bool is_on_slit = std::any_of(faces.begin(), faces.end(),
+                                      [](const InnerFace& face) { return face.is_on_slit; });
   slit.mesh = std::move(mesh);
-  if (!is_cut) return slit;
+  if (!is_on_slit) return slit;
   slit.rms_distance_mm = internal::fit_to_slit(slit.mesh, surface, faces, is_inside_L);
   const Replaced replaced = duplicate_nodes(slit.mesh, faces, side);
   replace_nodes(slit.mesh, replaced);

@@ -13,7 +13,7 @@ constexpr double kRowStep_mm = 1.0, kViewHalfWidth_mm = 65.0, kViewHalfHeight_mm
 constexpr int kViewHalf = int(kViewHalfWidth_mm / kRowStep_mm);
 
 /// The depth y of the skull along one row, from the right to the left; infinite without bone.
-std::vector<double> depths_of(const geometry::SurfaceColumns& front, double z_mm) {
+std::vector<double> depths_of(const geometry::SurfaceCrossings& front, double z_mm) {
   std::vector<double> depths;
   for (int i = -kViewHalf; i <= kViewHalf; ++i) {
     const auto p = front.first({double(i) * kRowStep_mm, 0.0, z_mm});
@@ -87,7 +87,7 @@ double height_of(std::size_t row) { return double(row) * kRowStep_mm - kViewHalf
 
 constexpr std::size_t kRows = std::size_t(2.0 * kViewHalfHeight_mm / kRowStep_mm);
 
-std::optional<double> find_aperture_floor(const geometry::SurfaceColumns& front,
+std::optional<double> find_aperture_floor(const geometry::SurfaceCrossings& front,
                                           double orbit_center_mm) {
   constexpr double kDepth_mm = 4.0, kWithin_mm = 22.0, kMiddle_mm = 5.0, kReach_mm = 55.0;
   constexpr Index kMinColumns = 5;
@@ -106,7 +106,7 @@ std::optional<double> find_aperture_floor(const geometry::SurfaceColumns& front,
 
 }  // namespace
 
-std::optional<FacialCavities> find_facial_cavities(const geometry::SurfaceColumns& front) {
+std::optional<FacialCavities> find_facial_cavities(const geometry::SurfaceCrossings& front) {
   constexpr double kDepth_mm = 6.0, kMedial_mm = 8.0, kLateral_mm = 58.0;
   constexpr Index kMinColumns = 12;
   constexpr std::size_t kMinRows = 15;

@@ -10,7 +10,7 @@
 namespace lefort::plan {
 namespace {
 
-using geometry::SurfaceColumns;
+using geometry::SurfaceCrossings;
 using geometry::SymmetryPlane;
 using internal::HeadInF;
 using internal::LandmarkList;
@@ -71,8 +71,8 @@ HeadInF head_in_F(const HeadSurfaces& head, const RigidTransform& X_FL) {
 LandmarkList search_in(const HeadSurfaces& head, const internal::ScanEnds& ends,
                        const RigidTransform& X_FL) {
   const HeadInF head_F = head_in_F(head, X_FL);
-  const SurfaceColumns front(head_F.skull, 1, geometry::bounding_box(head_F.skull),
-                             internal::kPixel_mm);
+  const SurfaceCrossings front(head_F.skull, 1, geometry::bounding_box(head_F.skull),
+                               internal::kPixel_mm);
   const auto cavities = internal::find_facial_cavities(front);
   LandmarkList list(X_FL, ends, head.voxel_mm);
   internal::find_midface(head_F, front, cavities, list);

@@ -10,7 +10,7 @@
 namespace lefort::plan::internal {
 namespace {
 
-using geometry::SurfaceColumns;
+using geometry::SurfaceCrossings;
 
 /// The outermost bone of one side, on a grid of y and z.
 struct LateralView {
@@ -28,7 +28,7 @@ struct LateralView {
   }
 };
 
-LateralView view_from(const SurfaceColumns& lines, double sign, const Box3& box) {
+LateralView view_from(const SurfaceCrossings& lines, double sign, const Box3& box) {
   LateralView view{box.min().y(),
                    box.min().z(),
                    Index(box.sizes().y() / kPixel_mm) + 1,
@@ -139,7 +139,7 @@ void find_lateral(const HeadInF& head, LandmarkList& list) {
     const double inner = 25.0 * side.sign, outer = 110.0 * side.sign;
     const Vec3 low(std::min(inner, outer), orbitale->y() + 10.0, orbitale->z() - 25.0);
     const Vec3 high(std::max(inner, outer), orbitale->y() + 115.0, orbitale->z() + 25.0);
-    const SurfaceColumns lines(head.skull, 0, Box3(low, high), kPixel_mm);
+    const SurfaceCrossings lines(head.skull, 0, Box3(low, high), kPixel_mm);
     const Box3 arch(Vec3(low.x(), orbitale->y() + 12.0, orbitale->z() - 18.0),
                     Vec3(high.x(), orbitale->y() + 60.0, orbitale->z() + 8.0));
     const auto outermost = side.sign > 0.0 ? lines.last_within(arch) : lines.first_within(arch);

@@ -9,7 +9,7 @@
 namespace lefort::plan::internal {
 namespace {
 
-using geometry::SurfaceColumns;
+using geometry::SurfaceCrossings;
 using geometry::TriangleMesh;
 
 /// Vertices of the chin: the most anterior 30 mm.
@@ -55,8 +55,8 @@ void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
   const double middle_mm = middle_of(chin_of(*head.mandible, box), voxel_mm);
   const Box3 window(Vec3(middle_mm - 8.0, box.min().y() - 1.0, box.min().z() - 1.0),
                     Vec3(middle_mm + 8.0, box.min().y() + 45.0, box.max().z() + 1.0));
-  const SurfaceColumns front(*head.mandible, 1, window, kPixel_mm);
-  const SurfaceColumns below(*head.mandible, 2, window, kPixel_mm);
+  const SurfaceCrossings front(*head.mandible, 1, window, kPixel_mm);
+  const SurfaceCrossings below(*head.mandible, 2, window, kPixel_mm);
   const auto strip = [&](double half_mm) {
     return Box3(Vec3(middle_mm - half_mm, window.min().y(), window.min().z()),
                 Vec3(middle_mm + half_mm, window.max().y(), window.max().z()));
@@ -80,7 +80,7 @@ void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
   outline.insert(outline.end(), underside.begin(), underside.end());
   const auto gnathion = find_extremum(outline, Vec3(0.0, -1.0, -1.0).normalized(), voxel_mm);
   const TriangleMesh& teeth = head.lower_teeth ? *head.lower_teeth : *head.mandible;
-  const SurfaceColumns above(teeth, 2, window, kPixel_mm);
+  const SurfaceCrossings above(teeth, 2, window, kPixel_mm);
   Box3 incisors = strip(6.0);
   incisors.max().y() = box.min().y() + kTeethDepth_mm;
   auto incisor = find_extremum(above.last_within(incisors), kSuperior, voxel_mm);
@@ -141,8 +141,8 @@ void find_lower_molar(const HeadInF& head, const Side& side, LandmarkList& list)
   const double one = 15.0 * side.sign, two = 34.0 * side.sign;
   const Box3 box(Vec3(std::min(one, two), incisor->y() + 21.0, incisor->z() - 12.0),
                  Vec3(std::max(one, two), incisor->y() + 30.0, incisor->z() + 6.0));
-  const SurfaceColumns above(head.lower_teeth ? *head.lower_teeth : *head.mandible, 2, box,
-                             kPixel_mm);
+  const SurfaceCrossings above(head.lower_teeth ? *head.lower_teeth : *head.mandible, 2, box,
+                               kPixel_mm);
   list.add(name,
            find_extremum(above.last_within(box), Vec3(0.35 * side.sign, 0.0, 0.94).normalized(),
                          list.voxel_mm()),

@@ -9,20 +9,20 @@
 namespace lefort::plan::internal {
 namespace {
 
-using geometry::SurfaceColumns;
+using geometry::SurfaceCrossings;
 
 Box3 box_of(double x0, double x1, double y0, double y1, double z0, double z1) {
   return {Vec3(x0, y0, z0), Vec3(x1, y1, z1)};
 }
 
 /// The most anterior points of the skull within `half_mm` of the mid-sagittal plane.
-std::vector<Vec3> mid_profile(const SurfaceColumns& front, double half_mm, double low_mm,
+std::vector<Vec3> mid_profile(const SurfaceCrossings& front, double half_mm, double low_mm,
                               double high_mm) {
   return front.first_within(box_of(-half_mm, half_mm, -kFar_mm, kFar_mm, low_mm, high_mm));
 }
 
 /// The most posterior point of the profile between glabella and the end of the nasal bones.
-std::optional<Extremum> find_nasion(const SurfaceColumns& front, const FacialCavities& cavities,
+std::optional<Extremum> find_nasion(const SurfaceCrossings& front, const FacialCavities& cavities,
                                     double voxel_mm) {
   constexpr double kAbove_mm = 22.0, kBelow_mm = 22.0, kHalf_mm = 1.0;
   const double middle_mm = cavities.orbit_center_mm(), top_mm = cavities.orbit_high_mm;
@@ -37,7 +37,7 @@ std::optional<Extremum> find_nasion(const SurfaceColumns& front, const FacialCav
 }
 
 /// The tip of the spine at the floor of the piriform aperture.
-std::optional<Extremum> find_anterior_spine(const SurfaceColumns& front, double floor_mm,
+std::optional<Extremum> find_anterior_spine(const SurfaceCrossings& front, double floor_mm,
                                             double voxel_mm) {
   constexpr double kBelow_mm = 6.0, kAbove_mm = 4.0, kHalf_mm = 4.0;
   const Vec3 direction = Vec3(0.0, -0.94, 0.34).normalized();  // 20 degrees above the horizontal.
@@ -45,7 +45,7 @@ std::optional<Extremum> find_anterior_spine(const SurfaceColumns& front, double 
                        direction, voxel_mm);
 }
 
-std::optional<Extremum> find_a_point(const SurfaceColumns& front, const Vec3& spine,
+std::optional<Extremum> find_a_point(const SurfaceCrossings& front, const Vec3& spine,
                                      double voxel_mm) {
   constexpr double kNear_mm = 7.0, kFarBelow_mm = 28.0, kHalf_mm = 1.5, kMaxOffset_mm = 15.0;
   std::vector<Vec3> profile;
@@ -63,7 +63,7 @@ struct Plate {
   double lower_mm, thickness_mm;
 };
 
-std::optional<Plate> lowest_plate(const SurfaceColumns& above, const Vec3& p, double low_mm,
+std::optional<Plate> lowest_plate(const SurfaceCrossings& above, const Vec3& p, double low_mm,
                                   double high_mm) {
   const auto z_mm = above.crossings(p);
   for (std::size_t i = 0; i + 1 < z_mm.size(); i += 2)  // From entry to exit.
@@ -72,7 +72,7 @@ std::optional<Plate> lowest_plate(const SurfaceColumns& above, const Vec3& p, do
 }
 
 /// Follows the vault of the palate to posterior, until bone ends or rises to the vomer.
-std::optional<Extremum> find_posterior_spine(const SurfaceColumns& above, const Vec3& spine) {
+std::optional<Extremum> find_posterior_spine(const SurfaceCrossings& above, const Vec3& spine) {
   constexpr double kVault_mm = 22.0, kLongest_mm = 75.0, kBelow_mm = 14.0, kAbove_mm = 8.0;
   constexpr double kMaxSlope = 0.9, kOver_mm = 2.5, kMaxGap_mm = 5.0, kHalf_mm = 2.0;
   constexpr double kMaxHalfThickness_mm = 1.5, kMaxRise_mm = 0.8;
@@ -106,7 +106,7 @@ std::optional<Extremum> find_posterior_spine(const SurfaceColumns& above, const 
 
 /// The lowest point of the infraorbital rim: in each sagittal section, the rim is the point that is
 /// furthest in the direction between anterior and superior.
-std::optional<Extremum> find_orbitale(const SurfaceColumns& front, const FacialCavities& cavities,
+std::optional<Extremum> find_orbitale(const SurfaceCrossings& front, const FacialCavities& cavities,
                                       std::size_t side, double voxel_mm) {
   constexpr double kHalfWidth_mm = 11.0, kBelow_mm = 14.0;
   const Vec3 outwards = Vec3(0.0, -1.0, 1.0).normalized();
@@ -125,7 +125,7 @@ std::optional<Extremum> find_orbitale(const SurfaceColumns& front, const FacialC
 
 /// The most anterior point of the lateral rim at the height of the suture: 11 mm above Whitnall's
 /// tubercle, which is at the middle of the orbit \cite whitnall1911, for an orbit of 36 mm.
-std::optional<Extremum> find_frontozygomatic(const SurfaceColumns& front,
+std::optional<Extremum> find_frontozygomatic(const SurfaceCrossings& front,
                                              const FacialCavities& cavities, const Side& side,
                                              double voxel_mm) {
   constexpr double kHeight = 0.5 + 11.0 / 36.0;  // Of the orbit, from its floor.
@@ -153,7 +153,7 @@ void find_upper_teeth(const HeadInF& head, LandmarkList& list) {
   const Box3 box =
       box_of(-45.0, 45.0, a_point->y() - kAhead_mm, a_point->y() + 60.0, spine->z() - kMaxBelow_mm,
              spine->z() - (head.upper_teeth ? 0.0 : kMinBelow_mm));
-  const SurfaceColumns below(teeth, 2, box, kPixel_mm);
+  const SurfaceCrossings below(teeth, 2, box, kPixel_mm);
   const auto incisor =
       find_extremum(below.first_within(box_of(-kHalf_mm, kHalf_mm, a_point->y() - kAhead_mm,
                                               a_point->y() + kBehind_mm, -kFar_mm, kFar_mm)),
@@ -180,7 +180,7 @@ void find_upper_teeth(const HeadInF& head, LandmarkList& list) {
 
 }  // namespace
 
-void find_midface(const HeadInF& head, const SurfaceColumns& front,
+void find_midface(const HeadInF& head, const SurfaceCrossings& front,
                   const std::optional<FacialCavities>& cavities, LandmarkList& list) {
   const double voxel_mm = list.voxel_mm();
   if (!cavities) {
@@ -203,9 +203,9 @@ void find_midface(const HeadInF& head, const SurfaceColumns& front,
   if (spine) {
     a_point = find_a_point(front, spine->point, voxel_mm);
     const Vec3& p = spine->point;
-    const SurfaceColumns above(head.skull, 2,
-                               box_of(-5.0, 5.0, p.y(), p.y() + 80.0, p.z() - 40.0, p.z() + 40.0),
-                               kPixel_mm);
+    const SurfaceCrossings above(head.skull, 2,
+                                 box_of(-5.0, 5.0, p.y(), p.y() + 80.0, p.z() - 40.0, p.z() + 40.0),
+                                 kPixel_mm);
     posterior = find_posterior_spine(above, p);
   }
   list.add("ANS", spine, 0.5, "no floor of the piriform aperture");

@@ -10,7 +10,7 @@
 namespace lefort::plan::internal {
 namespace {
 
-using geometry::SurfaceColumns;
+using geometry::SurfaceCrossings;
 
 /// The face as seen from the front.
 class Face {
@@ -18,7 +18,7 @@ class Face {
   Face(const geometry::TriangleMesh& skin, double voxel_mm)
       : front_(skin, 1, geometry::bounding_box(skin), kPixel_mm), voxel_mm_(voxel_mm) {}
 
-  [[nodiscard]] const SurfaceColumns& front() const { return front_; }
+  [[nodiscard]] const SurfaceCrossings& front() const { return front_; }
   [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
 
   /// The profile in the mid-sagittal plane, from inferior to superior.
@@ -38,7 +38,7 @@ class Face {
   }
 
  private:
-  SurfaceColumns front_;
+  SurfaceCrossings front_;
   double voxel_mm_;
 };
 
@@ -145,7 +145,7 @@ void find_nose_and_lips(const Face& face, const Vec3& tip, LandmarkList& list) {
 void find_soft_menton(const geometry::TriangleMesh& skin, LandmarkList& list) {
   const auto menton = list.at("Me");
   if (!menton) return list.miss("Me'", "no menton");
-  const SurfaceColumns lines(
+  const SurfaceCrossings lines(
       skin, 2, Box3(*menton - Vec3(2.0, 2.0, 30.0), *menton + Vec3(2.0, 2.0, 0.0)), kPixel_mm);
   const auto below = lines.last(*menton);
   list.add("Me'", below ? std::optional(Extremum{*below, 1.0}) : std::nullopt, 1.5,

@@ -1,4 +1,4 @@
-#include <lefort/image/voxels_within.h>
+#include <lefort/image/visit_voxels_near.h>
 #include <lefort/predict/distance_to_label.h>
 
 #include <algorithm>

@@ -155,8 +155,9 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
     smooth = spline_lattice(distances, frame.cell_mm, max_distance_mm);
   }
   progress.report(1.0);
-  return DistanceField(frame, std::move(samples), std::move(smooth),
-                       FieldSource{surface.mesh_B.triangle_count(), surface.parts, surface.report});
+  return DistanceField(
+      frame, std::move(samples), std::move(smooth),
+      FieldSource{surface.mesh_B.triangle_count(), surface.components, surface.report});
 }
 
 }  // namespace lefort::field

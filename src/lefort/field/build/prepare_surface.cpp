@@ -399,7 +399,7 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
     if (edge.sides.size() > 2) ++surface.report.non_manifold_edges;
   }
   const Parts parts = find_parts(mesh, sides);
-  surface.parts = Index(parts.count());
+  surface.components = Index(parts.count());
   if (surface.closed) {
     const Index before = surface.report.flipped_triangles;
     flip_inward_parts(surface, parts);

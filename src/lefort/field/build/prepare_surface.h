@@ -20,8 +20,8 @@ struct PreparedSurface {
   geometry::TriangleMesh mesh_B;
   geometry::Pseudonormals normals;
   std::vector<bool> is_opposite_duplicate;  ///< By triangle; empty if there are none.
-  bool closed = false;  ///< Each edge has equally many triangles in both directions.
-  Index parts = 0;      ///< Number of components, connected by edges.
+  bool closed = false;   ///< Each edge has equally many triangles in both directions.
+  Index components = 0;  ///< Number of components, connected by edges.
   MeshRepairReport report;
 };
 

@@ -29,7 +29,7 @@ class Lattice {
   [[nodiscard]] float value(const LatticePoint& p) const {
     // As for the other methods: a float, and the edge of the band is beyond the band.
     const auto d = float(exact(p));
-    return std::abs(d) < float(frame_.band_mm) ? d : side_value(zone_outside_band(p));
+    return std::abs(d) < float(frame_.band_mm) ? d : zone_value(zone_outside_band(p));
   }
 
   /// Zone of a cube that contains no point of the band; nothing otherwise. \pre cells is even.

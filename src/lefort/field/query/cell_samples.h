@@ -33,7 +33,7 @@ struct CellSamples {
 }
 
 /// The value that represents a zone without distances: +-infinity, or NaN.
-[[nodiscard]] inline float side_value(Zone zone) {
+[[nodiscard]] inline float zone_value(Zone zone) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   if (zone == Zone::kUnknown) return std::numeric_limits<float>::quiet_NaN();
   return zone == Zone::kInside ? -kInfinity : kInfinity;

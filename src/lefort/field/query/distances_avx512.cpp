@@ -387,10 +387,10 @@ float zone_value_at(const BrickSamples& samples, const FieldFrame& frame, const 
   LatticePoint cell{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double u = (p_B[Index(k)] - lookup.origin[k]) * lookup.cells_per_mm;
-    if (!(u >= 0.0 && u <= lookup.maximum)) return side_value(zone_beyond_box(frame, p_B));
+    if (!(u >= 0.0 && u <= lookup.maximum)) return zone_value(zone_beyond_box(frame, p_B));
     cell[k] = std::min(int(u), lookup.last_cell);
   }
-  return side_value(zone_of(samples.cell(cell).corners));
+  return zone_value(zone_of(samples.cell(cell).corners));
 }
 
 }  // namespace

@@ -71,10 +71,10 @@ void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& bl
   const Brick& brick = samples.bricks()[std::size_t(samples.brick_of(block.first))];
   if (brick.stored == 0) {
     // Same precedence as in BrickSamples::code_address(): unknown before inside.
-    if (brick.unknown == 0xFF) block.side = Zone::kUnknown;
-    if (brick.unknown == 0 && brick.inside == 0xFF) block.side = Zone::kInside;
-    if (brick.unknown == 0 && brick.inside == 0) block.side = Zone::kOutside;
-    if (block.side) return;
+    if (brick.unknown == 0xFF) block.zone = Zone::kUnknown;
+    if (brick.unknown == 0 && brick.inside == 0xFF) block.zone = Zone::kInside;
+    if (brick.unknown == 0 && brick.inside == 0) block.zone = Zone::kOutside;
+    if (block.zone) return;
   }
   for (int offset = 0; offset < SparseLattice::kBrickPoints; ++offset) {
     const LatticePoint p = {block.first[0] + offset % kBrickSide,
@@ -150,7 +150,7 @@ class Leaves {
     }
     if (smallest != nullptr) return interpolate(*smallest, point);
     if (unknown || inside == outside) return kNoDistance;
-    return side_value(inside ? Zone::kInside : Zone::kOutside);
+    return zone_value(inside ? Zone::kInside : Zone::kOutside);
   }
 
  private:
@@ -174,7 +174,7 @@ class Leaves {
 };
 
 /// The common zone of all points of a block, if leaves of at least its size determine it.
-std::optional<Zone> side_of_large_leaves(const Octree& octree, const LatticePoint& first) {
+std::optional<Zone> zone_of_large_leaves(const Octree& octree, const LatticePoint& first) {
   std::optional<Zone> side;
   for (int corner = 0; corner < 8; ++corner) {
     const LatticePoint cell = {first[0] - (corner & 1), first[1] - (corner >> 1 & 1),
@@ -192,8 +192,8 @@ std::optional<Zone> side_of_large_leaves(const Octree& octree, const LatticePoin
 }
 
 void read_octree(const Octree& octree, const FieldFrame& frame, SampleBlock& block) {
-  block.side = side_of_large_leaves(octree, block.first);
-  if (block.side) return;
+  block.zone = zone_of_large_leaves(octree, block.first);
+  if (block.zone) return;
   const Leaves leaves(octree, block.first);
   BlockNeighborhood(block.first, frame.resolution, [&](const LatticePoint& p) {
     return leaves.at(p);
@@ -216,7 +216,7 @@ void read_block(const DistanceField& field, const LatticePoint& first, SampleBlo
   const FieldFrame& frame = field.frame();
   for (const int c : first) LEFORT_CHECK(c >= 0 && c <= frame.resolution && c % kBrickSide == 0);
   block.first = first;
-  block.side.reset();
+  block.zone.reset();
   if (const auto* bricks = std::get_if<BrickSamples>(&field.samples())) {
     read_bricks(*bricks, frame, block);
   } else if (const auto* octree = std::get_if<Octree>(&field.samples())) {
@@ -311,7 +311,7 @@ Result<SampleCount> count_samples(const DistanceField& field, Progress& progress
     LatticePoint size{};
     for (std::size_t k = 0; k < 3; ++k)
       size[k] = std::min(kBrickSide, resolution + 1 - block.first[k]);
-    if (block.side) return count.add(side_value(*block.side), Index(size[0]) * size[1] * size[2]);
+    if (block.zone) return count.add(zone_value(*block.zone), Index(size[0]) * size[1] * size[2]);
     for (int z = 0; z < size[2]; ++z)
       for (int y = 0; y < size[1]; ++y)
         for (int x = 0; x < size[0]; ++x)

@@ -19,13 +19,13 @@ namespace lefort::field {
 struct SampleBlock {
   LatticePoint first{};
   /// The common zone of all samples if none is a distance; `values` is then not set.
-  std::optional<Zone> side;
+  std::optional<Zone> zone;
   /// x fastest [mm]; beyond the band +infinity outside the surface and -infinity inside it; NaN if
   /// unknown. Blocks at the upper sides extend beyond the lattice; values there are undefined.
   std::array<float, SparseLattice::kBrickPoints> values{};
 
   [[nodiscard]] float at(const LatticePoint& point) const {
-    return side ? side_value(*side) : values[std::size_t(SparseLattice::linear_offset(point))];
+    return zone ? zone_value(*zone) : values[std::size_t(SparseLattice::linear_offset(point))];
   }
 };
 

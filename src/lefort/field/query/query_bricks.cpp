@@ -280,7 +280,7 @@ LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_
           distances_mm[first + l] =
               cells.is_known[l] != 0
                   ? distance[l]
-                  : side_value(zone_at(query.samples, query.frame, query.p_B[first + l], group,
+                  : zone_value(zone_at(query.samples, query.frame, query.p_B[first + l], group,
                                        position + l));
       });
 }

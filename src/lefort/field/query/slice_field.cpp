@@ -52,7 +52,7 @@ Result<Box3> shown_box(const FieldFrame& frame, const SliceOptions& options) {
 }
 
 double distance_of(Zone zone, double distance_mm) {
-  return zone == Zone::kBand ? distance_mm : double(side_value(zone));
+  return zone == Zone::kBand ? distance_mm : double(zone_value(zone));
 }
 
 }  // namespace

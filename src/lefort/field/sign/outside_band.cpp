@@ -46,7 +46,7 @@ void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> dist
   for (std::size_t i = 0; i < distances.size(); ++i)
     if ((signs.known[i / 64] >> (i % 64) & 1) == 0)
       distances[i] =
-          side_value((inside[i / 64] >> (i % 64) & 1) != 0 ? Zone::kInside : Zone::kOutside);
+          zone_value((inside[i / 64] >> (i % 64) & 1) != 0 ? Zone::kInside : Zone::kOutside);
 }
 
 Zone zone_of_empty_brick(const WindingScanlines& winding, std::int32_t brick, int resolution) {
@@ -59,7 +59,7 @@ float SignedDistances::at(const LatticePoint& point) const {
   const std::int32_t slot = near.slot_of(brick);
   if (slot != SparseLattice::kNoBrick)
     return near.brick(slot)[std::size_t(SparseLattice::linear_offset(point))];
-  return side_value(brick_zones[std::size_t(brick)]);
+  return zone_value(brick_zones[std::size_t(brick)]);
 }
 
 SignedDistances fill_outside_band(SparseLattice distances, const FieldFrame& frame,

@@ -45,7 +45,7 @@ BrickSamples::BrickSamples(int resolution, double band_mm, std::vector<Brick> br
   *this = BrickSamples(resolution, band_mm, all_bricks, all_codes, std::move(owner));
 }
 
-const std::byte* BrickSamples::side_of(const Brick& brick, unsigned leaf) {
+const std::byte* BrickSamples::zone_code_of(const Brick& brick, unsigned leaf) {
   if ((brick.unknown >> leaf & 1U) != 0) return kUnknownCode.data();
   return (brick.inside >> leaf & 1U) != 0 ? kInsideCode.data() : kOutsideCode.data();
 }

@@ -82,7 +82,7 @@ class BrickSamples {
   [[nodiscard]] const std::byte* code_address(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(brick_of(point))];
     const unsigned leaf = leaf_of(point);
-    if ((brick.stored >> leaf & 1U) == 0) return side_of(brick, leaf);
+    if ((brick.stored >> leaf & 1U) == 0) return zone_code_of(brick, leaf);
     return codes_.data() + position_of(brick, leaf) * kLeafBytes + offset_of(point);
   }
 
@@ -124,7 +124,7 @@ class BrickSamples {
   [[nodiscard]] std::size_t bytes() const { return bricks_.size() * sizeof(Brick) + codes_.size(); }
 
  private:
-  [[nodiscard]] static const std::byte* side_of(const Brick& brick, unsigned leaf);
+  [[nodiscard]] static const std::byte* zone_code_of(const Brick& brick, unsigned leaf);
 
   int resolution_ = 0;
   int side_ = 0;  ///< Bricks along an edge of the table.

@@ -75,7 +75,7 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
       fill_points_outside_band(distances, *winding, brick, frame);
     }
     if (!any)
-      distances.fill(side_value(winding == nullptr
+      distances.fill(zone_value(winding == nullptr
                                     ? Zone::kUnknown
                                     : zone_of_empty_brick(*winding, brick, frame.resolution)));
     for_each_row(brick, frame.resolution,

@@ -189,7 +189,7 @@ CellSamples Octree::cell(const LatticePoint& cell) const {
     zone = zone_of_leaf(node);
   }
   if (zone != Zone::kBand) {
-    leaf.corners.fill(side_value(zone));
+    leaf.corners.fill(zone_value(zone));
     return leaf;
   }
   for (int corner = 0; corner < 8; ++corner)

@@ -66,7 +66,7 @@ class Octree {
   /// Lattice points of the corner samples.
   [[nodiscard]] std::vector<LatticePoint> sample_points() const { return index_.points(); }
 
-  /// The leaf that contains a cell; beyond the band all corners have the side_value() of its zone.
+  /// The leaf that contains a cell; beyond the band all corners have the zone_value() of its zone.
   ///
   /// \param cell  0 <= coordinates < resolution.
   [[nodiscard]] CellSamples cell(const LatticePoint& cell) const;

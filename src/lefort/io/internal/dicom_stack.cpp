@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/units.h>
 #include <lefort/image/check_grid.h>
-#include <lefort/image/resample_gantry_tilt.h>
+#include <lefort/image/resample_slices.h>
 #include <lefort/io/internal/dicom_stack.h>
 
 #include <fmt/format.h>
@@ -327,7 +327,7 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
       1 + static_cast<Index>(std::lround((is_uneven ? heights_mm.back() - heights_mm.front()
                                                     : even.distance_mm * double(grid.size[2] - 1)) /
                                          even.distance_mm));
-  grid = image::straight_grid(grid, stack.origins_L, even.first_mm, even.distance_mm, count);
+  grid = image::regular_grid(grid, stack.origins_L, even.first_mm, even.distance_mm, count);
   LEFORT_TRY_VOID(image::check_grid(grid));
   return stack;
 }

@@ -51,7 +51,7 @@ Result<SampleCount> write_nrrd(const std::filesystem::path& target,
                               block.first[2] + place / (kSide * kSide)};
       const auto at = window.find(p);
       if (!at) continue;
-      const float sample = block.side ? side_value(*block.side) : block.values[std::size_t(place)];
+      const float sample = block.zone ? zone_value(*block.zone) : block.values[std::size_t(place)];
       count.add(sample);
       values[std::size_t(grid.offset((*at)[0], (*at)[1], (*at)[2]))] = exported(sample, band_mm);
     }

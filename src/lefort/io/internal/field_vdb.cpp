@@ -54,19 +54,19 @@ class GridFiller {
       : grid_(grid), accessor_(grid.getAccessor()), window_(window), band_mm_(grid.background()) {}
 
   void add(const SampleBlock& block) {
-    if (block.side && holds_all(window_, block.first)) {
-      count_.add(side_value(*block.side), SparseLattice::kBrickPoints);
-      if (*block.side == Zone::kInside)
+    if (block.zone && holds_all(window_, block.first)) {
+      count_.add(zone_value(*block.zone), SparseLattice::kBrickPoints);
+      if (*block.zone == Zone::kInside)
         grid_.tree().addTile(1, openvdb::Coord(block.first.data()), -band_mm_, false);
       return;
     }
-    if (block.side == Zone::kInside) prune_now_and_then();
+    if (block.zone == Zone::kInside) prune_now_and_then();
     for (int place = 0; place < SparseLattice::kBrickPoints; ++place) {
       const LatticePoint p = {block.first[0] + place % kSide,
                               block.first[1] + place / kSide % kSide,
                               block.first[2] + place / (kSide * kSide)};
       if (!window_.find(p)) continue;
-      const float sample = block.side ? side_value(*block.side) : block.values[std::size_t(place)];
+      const float sample = block.zone ? zone_value(*block.zone) : block.values[std::size_t(place)];
       count_.add(sample);
       const openvdb::Coord at(p[0] / window_.every, p[1] / window_.every, p[2] / window_.every);
       if (std::isfinite(sample)) accessor_.setValueOn(at, within_band(sample, band_mm_));

@@ -55,11 +55,11 @@ std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
           found->air_mean_hu, found->soft_mean_hu));
   }
   if (const image::Padding padding = image::find_padding(ct, kTissueHu);
-      padding.cut_mm2 > kMinCut_mm2)
+      padding.truncated_mm2 > kMinCut_mm2)
     warnings.push_back(
         fmt::format("the field of view is surrounded by {} HU and ends in tissue over {:.2g} cm2, "
                     "where its boundary is mistaken for skin",
-                    padding.hu, padding.cut_mm2 * 1e-2));
+                    padding.hu, padding.truncated_mm2 * 1e-2));
   return warnings;
 }
 

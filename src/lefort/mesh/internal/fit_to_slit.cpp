@@ -32,7 +32,7 @@ class SlitFit {
     });
     std::vector<Face> cut;
     for (const InnerFace& face : faces)
-      if (face.is_cut) cut.push_back(face.face);
+      if (face.is_on_slit) cut.push_back(face.face);
     nodes_ = nodes_of_faces(cut);
     find_normals();
   }

@@ -13,7 +13,7 @@ namespace lefort::mesh::internal {
 ///
 /// \param mesh         its nodes move.
 /// \param surface      of the slit.
-/// \param faces        is_cut is used.
+/// \param faces        is_on_slit is used.
 /// \param is_inside_L  the body.
 /// \returns the root mean square of the distances from the surface afterwards [mm].
 double fit_to_slit(VolumeMesh& mesh, const SlitSurface& surface, std::span<const InnerFace> faces,

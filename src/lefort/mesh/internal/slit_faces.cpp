@@ -42,14 +42,14 @@ void even_out(std::vector<char>& side, const std::vector<InnerFace>& faces) {
 void join_small_parts(std::vector<InnerFace>& faces, std::size_t element_count) {
   DisjointSets parts(element_count);
   for (const InnerFace& face : faces)
-    if (!face.is_cut) parts.unite(std::size_t(face.first), std::size_t(face.second));
+    if (!face.is_on_slit) parts.unite(std::size_t(face.first), std::size_t(face.second));
   std::vector<std::size_t> size(element_count, 0);
   for (std::size_t e = 0; e < element_count; ++e) ++size[parts.find(e)];
   const auto is_small = [&](Index e) {
     return double(size[parts.find(std::size_t(e))]) < kMinPart * double(element_count);
   };
   for (InnerFace& face : faces)
-    if (face.is_cut && (is_small(face.first) || is_small(face.second))) face.is_cut = false;
+    if (face.is_on_slit && (is_small(face.first) || is_small(face.second))) face.is_on_slit = false;
 }
 
 }  // namespace
@@ -99,15 +99,16 @@ std::vector<InnerFace> inner_faces(const VolumeMesh& mesh, const SlitSurface& su
   return faces;
 }
 
-std::vector<char> cut_faces(const VolumeMesh& mesh, const SlitSurface& surface,
-                            std::vector<InnerFace>& faces) {
+std::vector<char> mark_slit_faces(const VolumeMesh& mesh, const SlitSurface& surface,
+                                  std::vector<InnerFace>& faces) {
   std::vector<char> side;
   for (const auto& [shape, nodes] : elements_of(mesh))
     side.push_back(
         char(surface.level_set_L(center_of(mesh, {nodes, std::size_t(node_count(shape))})) >= 0.0));
   even_out(side, faces);
   for (InnerFace& face : faces)
-    face.is_cut = face.is_within && side[std::size_t(face.first)] != side[std::size_t(face.second)];
+    face.is_on_slit =
+        face.is_within && side[std::size_t(face.first)] != side[std::size_t(face.second)];
   join_small_parts(faces, side.size());
   return side;
 }

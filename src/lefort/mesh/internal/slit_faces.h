@@ -13,8 +13,8 @@ namespace lefort::mesh::internal {
 struct InnerFace {
   Face face;  ///< Counter-clockwise seen from outside the first element.
   Index first = 0, second = 0;
-  bool is_within = false;  ///< Its center lies inside the border of the slit.
-  bool is_cut = false;     ///< It lies between the two sides of the slit.
+  bool is_within = false;   ///< Its center lies inside the border of the slit.
+  bool is_on_slit = false;  ///< It lies between the two sides of the slit.
 };
 
 /// \returns all faces between two elements, with is_within, in the order of the first element.
@@ -23,10 +23,10 @@ struct InnerFace {
 
 /// Decides the side of each element, and marks the faces between the sides.
 ///
-/// \param faces  of inner_faces(); is_cut is set.
+/// \param faces  of inner_faces(); is_on_slit is set.
 /// \returns 1 for each element on the first side, else 0.
-[[nodiscard]] std::vector<char> cut_faces(const VolumeMesh& mesh, const SlitSurface& surface,
-                                          std::vector<InnerFace>& faces);
+[[nodiscard]] std::vector<char> mark_slit_faces(const VolumeMesh& mesh, const SlitSurface& surface,
+                                                std::vector<InnerFace>& faces);
 
 /// Nodes of each element, through all blocks.
 struct ElementNodes {

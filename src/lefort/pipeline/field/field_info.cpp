@@ -61,13 +61,13 @@ void report_source(const DistanceField& distance, Summary& summary) {
     return;
   }
   const field::FieldSource& source = *distance.source();
-  summary.text += fmt::format("surface: {}, {} triangles in {} {}\n",
-                              distance.frame().closed ? "closed" : "open", source.triangles,
-                              source.parts, source.parts == 1 ? "part" : "parts");
+  summary.text += fmt::format(
+      "surface: {}, {} triangles in {} {}\n", distance.frame().closed ? "closed" : "open",
+      source.triangles, source.components, source.components == 1 ? "component" : "components");
   for (const std::string& sentence : field::describe(source.report))
     summary.text += fmt::format("  {}\n", sentence);
   nlohmann::json& json = summary.json["surface"];
-  json = {{"triangles", source.triangles}, {"parts", source.parts}};
+  json = {{"triangles", source.triangles}, {"components", source.components}};
   for (const auto& [name, count] : findings_of(source.report)) json[name] = count;
 }
 

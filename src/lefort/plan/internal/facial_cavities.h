@@ -2,7 +2,7 @@
 /// Orbits and piriform aperture: the cavities of the skull as seen from the front.
 #pragma once
 
-#include <lefort/geometry/surface_columns.h>
+#include <lefort/geometry/surface_crossings.h>
 
 #include <array>
 #include <optional>
@@ -26,6 +26,6 @@ struct FacialCavities {
 /// \param front  skull in F, columns along y.
 /// \returns nothing if there are no orbits of at least 15 mm height.
 [[nodiscard]] std::optional<FacialCavities> find_facial_cavities(
-    const geometry::SurfaceColumns& front);
+    const geometry::SurfaceCrossings& front);
 
 }  // namespace lefort::plan::internal

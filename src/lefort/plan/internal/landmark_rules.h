@@ -27,7 +27,7 @@ inline constexpr double kFar_mm = 1e3;
 inline constexpr double kPixel_mm = 0.5;
 
 /// N, ANS, A, PNS, Or and FZ; U1 and U6 on the teeth, or else on the skull.
-void find_midface(const HeadInF& head, const geometry::SurfaceColumns& front,
+void find_midface(const HeadInF& head, const geometry::SurfaceCrossings& front,
                   const std::optional<FacialCavities>& cavities, LandmarkList& list);
 
 /// Zy and Po, by views from both sides.

@@ -1,6 +1,6 @@
 /// \file
 /// Crossings of parallel lines with bodies of known shape.
-#include <lefort/geometry/surface_columns.h>
+#include <lefort/geometry/surface_crossings.h>
 
 #include <gtest/gtest.h>
 
@@ -8,15 +8,15 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry::test_surface_columns {
+namespace lefort::geometry::test_surface_crossings {
 namespace {
 
 const Box3 kWindow(Vec3(-30, -30, -30), Vec3(30, 30, 30));
 
-TEST(SurfaceColumns, OfASphereEnterAndLeaveIt) {
+TEST(SurfaceCrossings, OfASphereEnterAndLeaveIt) {
   const TriangleMesh sphere = test::make_icosphere(20.0, 5, {1, 2, 3});
   for (int axis = 0; axis < 3; ++axis) {
-    const SurfaceColumns lines(sphere, axis, kWindow, 0.5);
+    const SurfaceCrossings lines(sphere, axis, kWindow, 0.5);
     for (const Vec3& at : {Vec3(1, 2, 3), Vec3(10, 11, 12), Vec3(-8, -5, -2)}) {
       ASSERT_EQ(lines.crossings(at).size(), 2U);
       const Vec3 first = *lines.first(at), last = *lines.last(at);
@@ -35,10 +35,10 @@ TEST(SurfaceColumns, OfASphereEnterAndLeaveIt) {
 }
 
 /// No line is lost or counted twice at edges and vertices, even if they lie on round coordinates.
-TEST(SurfaceColumns, OfABoxAreTwoForEveryLine) {
+TEST(SurfaceCrossings, OfABoxAreTwoForEveryLine) {
   const TriangleMesh box = test::make_box({-10, -8, -6}, {10, 8, 6});
   for (int axis = 0; axis < 3; ++axis) {
-    const SurfaceColumns lines(box, axis, kWindow, 0.5);
+    const SurfaceCrossings lines(box, axis, kWindow, 0.5);
     Index inside = 0;
     for (double x = -9.75; x < 10; x += 0.5)
       for (double y = -7.75; y < 8; y += 0.5)
@@ -55,12 +55,12 @@ TEST(SurfaceColumns, OfABoxAreTwoForEveryLine) {
   }
 }
 
-TEST(SurfaceColumns, OmitCrossingsOutsideTheWindow) {
+TEST(SurfaceCrossings, OmitCrossingsOutsideTheWindow) {
   const TriangleMesh box = test::make_box({-10, -8, -6}, {10, 8, 6});
-  const SurfaceColumns lines(box, 1, {Vec3(-5, 0, -5), Vec3(5, 30, 5)}, 0.5);
+  const SurfaceCrossings lines(box, 1, {Vec3(-5, 0, -5), Vec3(5, 30, 5)}, 0.5);
   EXPECT_EQ(lines.crossings({0, 0, 0}).size(), 1U);
   EXPECT_NEAR(lines.first({0, 0, 0})->y(), 8.0, 1e-9);
 }
 
 }  // namespace
-}  // namespace lefort::geometry::test_surface_columns
+}  // namespace lefort::geometry::test_surface_crossings

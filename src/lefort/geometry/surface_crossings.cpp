@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/geometry/surface_columns.h>
+#include <lefort/geometry/surface_crossings.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ constexpr double kOffset = 0.5128205;
 
 }  // namespace
 
-SurfaceColumns::SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& window,
-                               double pixel_mm)
+SurfaceCrossings::SurfaceCrossings(const TriangleMesh& mesh, int axis, const Box3& window,
+                                   double pixel_mm)
     : axis_(axis),
       across_((axis + 1) % 3),
       along_((axis + 2) % 3),
@@ -38,8 +38,8 @@ SurfaceColumns::SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& w
 }
 
 template <class OnCrossing>
-void SurfaceColumns::visit_triangle(const TriangleMesh& mesh, Index triangle,
-                                    const OnCrossing& on_crossing) const {
+void SurfaceCrossings::visit_triangle(const TriangleMesh& mesh, Index triangle,
+                                      const OnCrossing& on_crossing) const {
   std::array<Eigen::Vector2d, 3> at;
   for (int c = 0; c < 3; ++c) {
     const Vec3 p = mesh.corner(triangle, c) - window_.min();
@@ -72,14 +72,14 @@ void SurfaceColumns::visit_triangle(const TriangleMesh& mesh, Index triangle,
     }
 }
 
-std::optional<Index> SurfaceColumns::line_at(const Vec3& p) const {
+std::optional<Index> SurfaceCrossings::line_at(const Vec3& p) const {
   const Vec3 q = (p - window_.min()) / pixel_mm_;
   const Index column = Index(std::floor(q[across_])), row = Index(std::floor(q[along_]));
   if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return std::nullopt;
   return column + columns_ * row;
 }
 
-Vec3 SurfaceColumns::point_of(Index line, double coordinate) const {
+Vec3 SurfaceCrossings::point_of(Index line, double coordinate) const {
   Vec3 p = window_.min();
   p[axis_] = coordinate;
   p[across_] += (double(line % columns_) + kOffset) * pixel_mm_;
@@ -87,26 +87,26 @@ Vec3 SurfaceColumns::point_of(Index line, double coordinate) const {
   return p;
 }
 
-std::span<const double> SurfaceColumns::crossings(const Vec3& p) const {
+std::span<const double> SurfaceCrossings::crossings(const Vec3& p) const {
   const auto line = line_at(p);
   if (!line) return {};
   const auto begin = std::size_t(begin_[std::size_t(*line)]);
   return std::span(crossings_).subspan(begin, std::size_t(begin_[std::size_t(*line) + 1]) - begin);
 }
 
-std::optional<Vec3> SurfaceColumns::first(const Vec3& p) const {
+std::optional<Vec3> SurfaceCrossings::first(const Vec3& p) const {
   const auto all = crossings(p);
   if (all.empty()) return std::nullopt;
   return point_of(*line_at(p), all.front());
 }
 
-std::optional<Vec3> SurfaceColumns::last(const Vec3& p) const {
+std::optional<Vec3> SurfaceCrossings::last(const Vec3& p) const {
   const auto all = crossings(p);
   if (all.empty()) return std::nullopt;
   return point_of(*line_at(p), all.back());
 }
 
-std::vector<Vec3> SurfaceColumns::within(const Box3& box, bool is_first) const {
+std::vector<Vec3> SurfaceCrossings::within(const Box3& box, bool is_first) const {
   std::vector<Vec3> found;
   for (Index line = 0; line < columns_ * rows_; ++line) {
     const Index begin = begin_[std::size_t(line)], end = begin_[std::size_t(line) + 1];
@@ -117,8 +117,12 @@ std::vector<Vec3> SurfaceColumns::within(const Box3& box, bool is_first) const {
   return found;
 }
 
-std::vector<Vec3> SurfaceColumns::first_within(const Box3& box) const { return within(box, true); }
+std::vector<Vec3> SurfaceCrossings::first_within(const Box3& box) const {
+  return within(box, true);
+}
 
-std::vector<Vec3> SurfaceColumns::last_within(const Box3& box) const { return within(box, false); }
+std::vector<Vec3> SurfaceCrossings::last_within(const Box3& box) const {
+  return within(box, false);
+}
 
 }  // namespace lefort::geometry

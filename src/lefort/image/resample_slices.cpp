@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/image/resample_gantry_tilt.h>
+#include <lefort/image/resample_slices.h>
 
 #include <algorithm>
 #include <array>
@@ -70,8 +70,8 @@ std::vector<double> shifted_slice(const CtVolume& slices, Index k, const Vec3& o
 
 }  // namespace
 
-Grid straight_grid(const Grid& slice, std::span<const Vec3> origins_L, double first_height_mm,
-                   double distance_mm, Index count) {
+Grid regular_grid(const Grid& slice, std::span<const Vec3> origins_L, double first_height_mm,
+                  double distance_mm, Index count) {
   LEFORT_CHECK(!origins_L.empty());
   Grid grid = slice;
   grid.size[2] = count;
@@ -93,8 +93,8 @@ Grid straight_grid(const Grid& slice, std::span<const Vec3> origins_L, double fi
   return grid;
 }
 
-CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> origins_L,
-                              const Grid& grid, std::int16_t outside) {
+CtVolume resample_slices(const CtVolume& slices, std::span<const Vec3> origins_L, const Grid& grid,
+                         std::int16_t outside) {
   LEFORT_CHECK(std::ssize(origins_L) == slices.grid.size[2] && origins_L.size() >= 2);
   LEFORT_CHECK(std::ssize(slices.values) == slices.grid.voxel_count());
   const Vec3 normal = grid.direction.col(2);

@@ -1,11 +1,11 @@
-#include <lefort/image/resample_gantry_tilt.h>
+#include <lefort/image/resample_slices.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-namespace lefort::image::test_resample_gantry_tilt {
+namespace lefort::image::test_resample_slices {
 namespace {
 
 /// Smooth over a few pixels, and without any symmetry.
@@ -63,9 +63,9 @@ TEST(ResampleGantryTilt, AShearedStackStaysWhereItIsInThePatient) {
     origins_L.push_back(Vec3(3.0, -2.0, 5.0) + direction * Vec3(-0.13 * k, 0.37 * k, 1.5 * k));
   const Slices slices = slices_at(direction, origins_L);
   const Vec3 normal = direction.col(2);
-  const Grid grid = straight_grid(slices.ct.grid, origins_L, normal.dot(origins_L[0]), 1.5, 9);
+  const Grid grid = regular_grid(slices.ct.grid, origins_L, normal.dot(origins_L[0]), 1.5, 9);
   EXPECT_EQ(grid.size, (std::array<Index, 3>{24 + 2, 20 + 3, 9}));
-  const CtVolume straight = resample_gantry_tilt(slices.ct, origins_L, grid, -1024);
+  const CtVolume straight = resample_slices(slices.ct, origins_L, grid, -1024);
   // Tolerance for rounding, and for cubic convolution of waves of 25 mm.
   EXPECT_LT(error_within(straight, slices), 1.5);
   // The first slice is at one end of the shear; the other end has no values.
@@ -80,8 +80,8 @@ TEST(ResampleGantryTilt, AWrongSignOfTheShearIsDetected) {
     mirrored.emplace_back(0.0, -0.4 * k, 1.5 * k);
   }
   Slices slices = slices_at(Mat3::Identity(), origins_L);
-  const Grid grid = straight_grid(slices.ct.grid, mirrored, 0.0, 1.5, 9);
-  const CtVolume straight = resample_gantry_tilt(slices.ct, mirrored, grid, -1024);
+  const Grid grid = regular_grid(slices.ct.grid, mirrored, 0.0, 1.5, 9);
+  const CtVolume straight = resample_slices(slices.ct, mirrored, grid, -1024);
   EXPECT_GT(error_within(straight, slices), 50.0);
 }
 
@@ -89,12 +89,12 @@ TEST(ResampleGantryTilt, UnevenHeightsAreInterpolatedLinearly) {
   std::vector<Vec3> origins_L;
   for (const double z : {0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 9.0}) origins_L.emplace_back(0.0, 0.0, z);
   const Slices slices = slices_at(Mat3::Identity(), origins_L);
-  const Grid grid = straight_grid(slices.ct.grid, origins_L, 0.0, 1.0, 10);
+  const Grid grid = regular_grid(slices.ct.grid, origins_L, 0.0, 1.0, 10);
   EXPECT_EQ(grid.size, (std::array<Index, 3>{24, 20, 10}));
-  const CtVolume straight = resample_gantry_tilt(slices.ct, origins_L, grid, -1024);
+  const CtVolume straight = resample_slices(slices.ct, origins_L, grid, -1024);
   EXPECT_LE(error_within(straight, slices), 1.0);  // The field is linear along z.
   for (std::size_t n = 0; n < 24 * 20; ++n) EXPECT_EQ(straight.values[n], slices.ct.values[n]);
 }
 
 }  // namespace
-}  // namespace lefort::image::test_resample_gantry_tilt
+}  // namespace lefort::image::test_resample_slices

@@ -17,13 +17,13 @@ namespace lefort::geometry {
 /// The lines are parallel to one coordinate axis; columns and rows follow the other two in cyclic
 /// order: for axis y the column number increases with z, the row number with x. For a closed
 /// surface within the window the crossings of a line alternate between entry and exit.
-class SurfaceColumns {
+class SurfaceCrossings {
  public:
   /// \param mesh      the surface.
   /// \param axis      0 to 2: x, y or z.
   /// \param window    crossings outside this box are omitted.
   /// \param pixel_mm  distance between adjacent lines, > 0.
-  SurfaceColumns(const TriangleMesh& mesh, int axis, const Box3& window, double pixel_mm);
+  SurfaceCrossings(const TriangleMesh& mesh, int axis, const Box3& window, double pixel_mm);
 
   /// The coordinates of all crossings of the line closest to `p`, in ascending order; empty outside
   /// the window.
