@@ -19,15 +19,15 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 /// penalty, whatever its sign; the others are free. It starts with the nodes that have contact
 /// pressure in the last equilibrium. Until the step converges and the set does not change:
 ///
-/// 1. One Newton step with the present set. Its energy is smooth, so that the line search does not
-///    shorten steps because nodes come into contact.
+/// 1. One Newton step with the present set. The energy of a fixed set is smooth, so that the line
+///    search does not shorten steps because nodes come into contact.
 /// 2. A node stays active if its pressure in the linear model of the step is positive. A free node
 ///    becomes active if its gap is negative.
 ///
-/// After kMaxActiveSetSteps steps, or if a step fails, Newton's method with the unilateral energy
-/// continues; its line search always descends. Both end in the same equations: the last solve is
-/// unilateral. The set is no history variable. If the equations have several solutions, it can
-/// influence which one is found.
+/// Then, also after kMaxActiveSetSteps steps or a failed step, Newton's method with the unilateral
+/// energy continues; its line search always descends. The result therefore satisfies the same
+/// equations for any set. The set is no history variable. If the equations have several solutions,
+/// the set can influence which one is found.
 ///
 /// \param contacts        at their poses.
 /// \param nodes_L         nodes in the reference configuration [mm].
