@@ -42,8 +42,8 @@ inline constexpr std::array<BoundaryLabelStyle, 7> kBoundaryLabelStyles{{
 /// One label per voxel of the scan.
 using BoundaryLabelMap = image::Volume<BoundaryLabel>;
 
-/// Largest distance from a painted voxel's center at which it applies: half the diagonal of a voxel
-/// [mm].
+/// Max distance from the center of a painted voxel at which its label applies: half the diagonal of
+/// a voxel [mm].
 [[nodiscard]] double max_paint_distance_mm(const image::Grid& grid);
 
 /// \returns the label of the painted voxel whose center is closest to `p_L`, within
