@@ -41,7 +41,7 @@ struct OsteotomyResult {
 /// \returns both parts, or
 ///   - kPlanInvalid      the osteotomy has no plane or curve, or one that is not finite, has no
 ///     direction, or crosses itself; bounded planes are combined with other cuts; the kerf is
-///     negative or above 5 mm;
+///     negative or above 5 mm; an anchor point is not finite;
 ///   - kInvalidArgument  an option lies outside its range;
 ///   - kMeshInvalid      the skull is empty or open;
 ///   - kCutMissesBone    no bone (or only fragments) lies inside the cut, or none outside; a
