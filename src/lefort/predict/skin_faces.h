@@ -15,8 +15,8 @@ namespace lefort::predict {
 inline constexpr double kPlaneTolerance_mm = 0.05;
 
 /// Boundary faces whose nodes all lie on the skin or in a cut plane of the domain, at least one of
-/// them on the skin; without the cut faces themselves (mesh/boundary_layer.h). Nodes on the skin are
-/// those that are closer to the skin than to bone.
+/// them on the skin; without the cut faces themselves (mesh/boundary_layer.h). Nodes on the skin
+/// are those that are closer to the skin than to bone.
 ///
 /// \param tissue           one block of tetrahedra.
 /// \param domain           its cut planes are used, also those of the scan.
