@@ -46,9 +46,9 @@ namespace lefort::contact {
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
 /// If a penetration tolerance is set, a point that has crossed the medial surface is constrained by
-/// the tangent plane of its contact reference. Planes change between solves only, so
-/// that each solve has a potential. Without a tolerance there are no planes: the penalty is so soft
-/// that tissue often lies beyond the medial surface, and with planes the result would depend on the
+/// the tangent plane of its contact reference. Planes change between solves only, so that
+/// each solve has a potential. Without a tolerance there are no planes: the penalty is so soft that
+/// tissue often lies beyond the medial surface, and with planes the result would depend on the
 /// increments.
 ///
 /// **States.** Each point has a present and an accepted state (contact_history.h). None of the

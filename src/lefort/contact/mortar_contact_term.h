@@ -184,7 +184,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::vector<Vec3> own_points(const NodePatch& patch,
                                              std::span<const Vec3> x_L) const;
   /// Points of one bone, with their depths D_0 in the reference configuration. D_0 is infinite for
-  /// points deeper than max_depth_mm_ there: parts of the bone that the tissue mesh does not
+  /// points deeper than max_depth_mm_ there, up to twice as deep: parts of the bone that the tissue mesh does not
   /// resolve.
   struct PointsWithRest {
     BonePoints points;
@@ -212,8 +212,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   NodePatches patches_;
   ActiveSet active_;
   std::vector<double> rest_gaps_mm_;  ///< g_0 of each quadrature point.
-  /// Of each patch: g_a in the reference configuration without this offset, if that is negative. It
-  /// can be, because weight functions are partly negative.
+  /// Of each patch: g_a in the reference configuration without this offset, if negative, else 0. It
+  /// can be negative, because weight functions are partly negative.
   std::vector<double> rest_offsets_mm_;
   /// Of each patch: depth up to which a point behind it is in contact, half of its radius. The
   /// radius is the largest distance of its node from another node of the patch.
