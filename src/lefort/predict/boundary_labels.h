@@ -13,8 +13,8 @@ namespace lefort::predict {
 enum class BoundaryLabel : std::uint8_t {
   kNone = 0,  ///< Not painted: the boundary rules decide.
   kFixed = 1,
-  kFree = 2,         ///< Not fixed; the segment may push it.
-  kWithSegment = 3,  ///< Moves with the segment, even if not on it.
+  kFree = 2,         ///< Not fixed; a segment may push it.
+  kWithSegment = 3,  ///< Moves with the closest segment, even if not on it.
   kContact = 4,      ///< Free; stationary bone pushes it too.
   kBonded = 5,       ///< Moves with the closest bone.
   kElevated = 6,     ///< Elastic layer on the closest bone.
