@@ -1,5 +1,5 @@
 /// \file
-/// The solids by which an osteotomy cuts bone. For this layer.
+/// The solids by which an osteotomy cuts bone. Used in this layer only.
 #pragma once
 
 #include <lefort/core/error.h>

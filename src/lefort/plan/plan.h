@@ -53,8 +53,8 @@ struct CutRegion {
 /// `additional_regions`.
 ///
 /// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded
-/// planes or additional regions. The bone on the side of their normals is the segment. It must not
-/// be connected to the remainder beyond their edges.
+/// planes or additional regions. The bone on the side of their normals is the segment. The segment
+/// must not be connected to the remainder beyond the edges of the planes.
 struct Osteotomy {
   std::string segment;  ///< Name of the segment.
   std::vector<CutPlane> planes;
@@ -65,7 +65,7 @@ struct Osteotomy {
   std::vector<Vec3> anchor_points_L{};
   /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; 0 to 5.
   double kerf_mm = 0.0;
-  /// The procedure, if it is known. It decides how far tissue is elevated (elevation_zone.h).
+  /// The procedure, if it is known; the elevation margins depend on it (elevation_zone.h).
   std::optional<OsteotomyTemplate> procedure = std::nullopt;
 };
 

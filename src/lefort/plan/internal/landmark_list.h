@@ -29,7 +29,7 @@ class LandmarkList {
   LandmarkList(const RigidTransform& X_FL, const ScanEnds& ends, double voxel_mm)
       : X_FL_(X_FL), ends_(ends), voxel_mm_(voxel_mm) {}
 
-  /// Adds a landmark, unless it lies where the scan ends, or adds the reason why there is none.
+  /// Adds a landmark. If it was not found, or lies where the scan ends, adds the reason instead.
   ///
   /// \param rule_mm  error of the rule: distance of the extremum from the anatomical point.
   void add(const std::string& name, const std::optional<Extremum>& found_F, double rule_mm,
