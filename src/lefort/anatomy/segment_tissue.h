@@ -32,9 +32,9 @@ struct SegmentationOptions {
 ///
 /// Bone: connected dense components, with the marrow they enclose. The mandible has its own label
 /// if it can be separated from the skull (find_mandible.h). Brain: the soft tissue from which rays
-/// hit bone in at least 85 % of 26 directions. A watershed extends it to the narrowest
-/// cross-section of each opening of the skull, whether foramen or defect; its border is smooth. A
-/// scan without a cranial cavity has no brain; this is not an error.
+/// hit bone in at least 85 % of 26 directions. A watershed extends this region to the narrowest
+/// cross-section of each opening of the skull, whether foramen or defect; the border there is
+/// smooth. A scan without a cranial cavity has no brain; this is not an error.
 ///
 /// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
 ///   become background unless they are fused with the head.

@@ -35,7 +35,7 @@ struct SyntheticMaterials {
   double soft_hu = 40.0;
   double bone_hu = 900.0;
   double holder_hu = 200.0;
-  double noise_hu = 12.0;  ///< Standard deviation of noise; reproducible for the same grid.
+  double noise_hu = 12.0;  ///< Standard deviation of noise; reproducible for equal grid and seed.
 };
 
 /// A grid of cubes of `voxel_mm` over the head and its holder, axes along L.
