@@ -184,8 +184,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::vector<Vec3> own_points(const NodePatch& patch,
                                              std::span<const Vec3> x_L) const;
   /// Points of one bone, with their depths D_0 in the reference configuration. D_0 is infinite for
-  /// points deeper than max_depth_mm_ there, up to twice as deep: parts of the bone that the tissue mesh does not
-  /// resolve.
+  /// points deeper than max_depth_mm_ there, up to twice as deep: parts of the bone that the tissue
+  /// mesh does not resolve.
   struct PointsWithRest {
     BonePoints points;
     std::vector<double> rest_depths_mm;
