@@ -12,12 +12,12 @@
 
 namespace lefort::contact {
 
-/// Finds the equilibrium from a start with at most a number of Newton iterations.
+/// Finds the equilibrium from a start with at most `max_iterations` Newton iterations.
 using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max_iterations)>;
 
 /// Algorithm. The active set consists of the nodes whose weighted gap is kept at zero by the
-/// penalty, whatever its sign; the others are free. It starts with the nodes that have contact
-/// pressure in the last equilibrium. Until the step converges and the set does not change:
+/// penalty, whatever its sign; the others are free. The first set consists of the nodes that have
+/// contact pressure in the last equilibrium. Until the step converges and the set does not change:
 ///
 /// 1. One Newton step with the present set. The energy of a fixed set is smooth, so that the line
 ///    search does not shorten steps because nodes come into contact.
@@ -34,14 +34,16 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 /// \param active          active set of each contact in the last equilibrium (active_set()).
 /// \param start           displacements of all nodes [mm], first argument of the first solve.
 /// \param max_iterations  of the unilateral solve.
-/// \returns the outcome with the history of all steps.
+/// \param solve           one Newton step or the unilateral solve.
+/// \returns the outcome with the history of all steps; at once if a step was cancelled or ran out
+///   of memory.
 [[nodiscard]] fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts,
                                                   std::span<const Vec3> nodes_L,
                                                   std::vector<ActiveSet> active,
                                                   const VectorX& start, int max_iterations,
                                                   const SolveFrom& solve);
 
-/// Number of steps with an active set before the unilateral energy takes over.
+/// Max number of steps with an active set.
 inline constexpr int kMaxActiveSetSteps = 20;
 
 }  // namespace lefort::contact
