@@ -24,7 +24,8 @@ struct IsosurfaceOptions {
 /// \param progress  reports progress; may cancel.
 /// \returns a closed surface in L, counter-clockwise seen from outside, without duplicate vertices,
 ///   or
-///   - kInvalidArgument  `level` is not finite, non-negative at its border, or of another size;
+///   - kInvalidArgument  `level` is not finite, is non-negative in an outermost voxel, or does not
+///     match its grid; or an option is out of range;
 ///   - kMeshInvalid      nothing is positive, or no component is large enough;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_isosurface(

@@ -13,8 +13,9 @@ struct AirSpaces {
   Mask sinus;
 };
 
-/// Divides the air inside the patient at its narrow passages into rooms. A room whose walls are
-/// nearly all bony is a sinus. All other rooms are airway, except small pockets in soft tissue.
+/// Divides the air inside the patient at its narrow passages into rooms. A room is a sinus if at
+/// least 70 % of its walls are bony and it does not touch the outside. All other rooms are airway,
+/// except small pockets in soft tissue.
 ///
 /// \param air      air inside the patient.
 /// \param bone     including marrow.

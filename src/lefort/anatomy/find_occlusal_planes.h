@@ -19,7 +19,7 @@ struct OcclusalPlane {
   double contrast = 0.0;
   bool is_of_enamel = false;  ///< Fitted to the crowns, not to the gap.
 
-  /// Signed distance of a point, positive above.
+  /// Signed distance of a point, positive superior to the plane.
   [[nodiscard]] double height_mm(const Vec3& p_L) const { return normal_L.dot(p_L) - offset_mm; }
   /// Whether a point is in the column of the dental arches, from the lips to the last molars, or
   /// within a margin around it.
@@ -32,8 +32,8 @@ struct OcclusalPlane {
 /// Gap valley detection (\cite jain2004) in three dimensions: the density of bone is summed over
 /// planes through the column of the dental arches; the gap is the deepest valley of the sums along
 /// the normal. Pitch and roll of the planes are varied, as the head may be tilted. Teeth in
-/// occlusion leave no gap; so the first plane, if there is enamel, is the least-squares plane
-/// through it: crowns of both jaws lie on both sides of it.
+/// occlusion leave no gap. If there is enamel, the first plane is therefore the least-squares plane
+/// through the enamel, which lies between the crowns of both jaws.
 ///
 /// \param ct       the scan.
 /// \param bone     all bone. \pre on the grid of `ct`.

@@ -27,8 +27,8 @@ struct LabeledScan {
 
 /// Voxelizes a head. CT numbers are linear in the distance to a surface within half a voxel of it,
 /// so that the iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. Inside
-/// the bone the number is 1200 HU, in soft tissue 40, in air -1000. The mandible takes precedence
-/// over the skull, bone over soft tissue. The cranial cavity is found as in a scan; airway and
+/// the bone the number is 1200 HU, in soft tissue 40 HU, in air -1000 HU. The mandible takes
+/// precedence over the skull, bone over soft tissue. The brain is found as in a scan; airway and
 /// sinuses are unknown and count as soft tissue.
 ///
 /// A flat end of the skin across an axis of L (400 mm^2 or more, where a scan was truncated) is cut
@@ -40,7 +40,7 @@ struct LabeledScan {
 /// \returns scan and labels, or
 ///   - kInvalidArgument  the voxel size is not positive, or the grid has more than 5e8 voxels;
 ///   - kMeshInvalid      a surface is empty, open (the message names it and an edge) or not finite;
-///   - kAnatomyMissing   no bone lies inside the skin;
+///   - kAnatomyMissing   no bone lies inside the grid around the skin;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<LabeledScan> scan_from_surfaces(const HeadSurfaces& surfaces, double voxel_mm,
                                                      Progress& progress = Progress::none());

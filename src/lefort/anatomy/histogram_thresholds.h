@@ -20,12 +20,12 @@ struct HistogramThresholds {
 /// Otsu's method for three classes: the two thresholds with the largest between-class variance
 /// \cite otsu1979.
 ///
-/// They are invariant under linear changes of scale and lie about halfway between the means: for
-/// bone above the usual 226 HU, so that thin walls may be lost if the values are HU. All voxels
+/// They follow a linear change of the scale of values. They lie about halfway between the means:
+/// for bone above the usual 226 HU, so that thin walls may be lost if the values are HU. All voxels
 /// count, including those of a table or head holder.
 ///
 /// \param ct  the scan.
-/// \returns kAnatomyMissing if fewer than three different values occur.
+/// \returns kAnatomyMissing if there are too few different values for three classes.
 [[nodiscard]] Result<HistogramThresholds> find_thresholds(const image::CtVolume& ct);
 
 }  // namespace lefort::anatomy

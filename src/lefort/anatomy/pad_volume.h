@@ -96,7 +96,7 @@ void paste(const image::Volume<T>& inner, const Margin& margin, image::Volume<T>
 }
 
 /// The margin around the box of all voxels for which `belongs(offset)` is true, extended by
-/// `around` voxels along each axis; it removes all voxels if there are none.
+/// `around` voxels along each axis; if there are no such voxels, the margin is the whole grid.
 template <class Predicate>
 [[nodiscard]] Margin margin_around(const image::Grid& grid, const std::array<Index, 3>& around,
                                    const Predicate& belongs) {

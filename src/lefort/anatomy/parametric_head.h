@@ -51,7 +51,7 @@ class ParametricHead {
   /// ears.
   [[nodiscard]] const RigidTransform& X_LH() const { return X_LH_; }
   [[nodiscard]] const HeadShape& shape() const { return shape_; }
-  /// The point of the head H at a point of the mean head.
+  /// The point in frame H at a point of the mean head; only the scale is applied.
   [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
 
  private:

@@ -8,9 +8,10 @@ namespace lefort::anatomy {
 
 /// Voxels between air and bone that are more than half filled with air.
 ///
-/// The border between air and bone is at the mean of their CT numbers, a quarter of a voxel and
-/// more beyond the threshold of skin. That threshold labels these voxels as soft tissue, although
-/// there is none. The CT number of bone is that of the densest bone voxel among the 26 neighbors.
+/// The border between air and bone is where the CT number is the mean of both, a quarter of a voxel
+/// or more beyond the point where it exceeds the threshold of skin. That threshold therefore labels
+/// these voxels as soft tissue, although there is none. The CT number of bone is that of the
+/// densest bone voxel among the 26 neighbors.
 ///
 /// \param ct    the scan.
 /// \param air   airway or sinuses.

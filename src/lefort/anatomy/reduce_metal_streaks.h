@@ -17,16 +17,17 @@ struct StreakReduction {
 ///
 /// Streaks lie in the plane in which a CT scanner measures, so the slices above and below the metal
 /// show the same anatomy without them. A slice has streaks if neighboring voxels differ by more
-/// than any tissue does within the resolution of a scanner. Its numbers are limited to the range of
-/// the two closest slices without streaks within 3 mm, their dilation and erosion
-/// (\cite serra1982). So bone, teeth, skin and air may move by this from slice to slice, and a
-/// streak further from them is removed. Bone that both slices show remains bone, also where a
-/// streak is dark. Soft tissue may lie up to 8 mm further: lips, nose and ears.
+/// than any tissue does within the resolution of a scanner. The number of each voxel is limited to
+/// the range of those within 3 mm in the two closest slices without streaks, one on each side:
+/// their dilation and erosion (\cite serra1982). So bone, teeth, skin and air may move by 3 mm from
+/// slice to slice, and a streak further from them is removed. Bone that both slices show remains
+/// bone, also where a streak is dark. Soft tissue may lie up to 8 mm further: lips, nose and ears.
+/// Slices are not changed if those two are more than 30 mm apart, or one of them is missing.
 ///
 /// The image domain is corrected because scans are stored without their projections, which the
 /// interpolation of \cite kalender1987 needs.
 ///
-/// \param ct       a scan; slices are those across the axis of the grid closest to the patient's.
+/// \param ct       a scan; its slices are perpendicular to the axis of the grid closest to z of L.
 /// \param bone_hu  threshold of bone.
 /// \param skin_hu  threshold of the patient.
 [[nodiscard]] StreakReduction reduce_metal_streaks(const image::CtVolume& ct, double bone_hu,

@@ -9,7 +9,7 @@ namespace lefort::anatomy {
 /// Grows all seeds in `room`, wide places before narrow ones, until all reachable voxels are
 /// assigned: two seeds meet at the narrowest cross-section between them.
 ///
-/// \param seeds     number of the seed, 0 elsewhere.
+/// \param seeds     number of the seed at its voxels, 0 elsewhere.
 /// \param room      where seeds may grow.
 /// \param width_mm  priority of each voxel: half the width of the room, its distance to the walls.
 /// \returns the number of the seed of each voxel; 0 outside the room and where no seed can grow.

@@ -18,7 +18,7 @@ struct SegmentationOptions {
 
   /// Smaller connected components of bone are islands and become soft tissue; >= 0.
   double min_bone_ml = 0.2;
-  /// Air entrances up to twice as wide, such as nostrils, belong to the patient; > 0.
+  /// Air entrances up to twice as wide, such as nostrils, belong to the patient; > 0, <= 50.
   double nostril_radius_mm = 5.0;
   /// A sinus whose ostium is up to twice as wide as this is not part of the airway; > 0.
   double ostium_radius_mm = 2.0;
@@ -32,18 +32,19 @@ struct SegmentationOptions {
 ///
 /// Bone: connected dense components, with the marrow they enclose. The mandible has its own label
 /// if it can be separated from the skull (find_mandible.h). Brain: the soft tissue from which rays
-/// hit bone in at least 85 % of 26 directions. A watershed extends it to the narrowest
-/// cross-section of each opening of the skull, whether foramen or defect; its border is smooth. A
-/// scan without a cranial cavity has no brain; this is not an error.
+/// hit bone in at least 85 % of 26 directions. A watershed extends this region to the narrowest
+/// cross-section of each opening of the skull, whether foramen or defect; the border there is
+/// smooth. A scan without a cranial cavity has no brain; this is not an error.
 ///
 /// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
 ///   become background unless they are fused with the head.
 /// \param options   see SegmentationOptions.
 /// \param progress  receives the fraction done; may cancel.
 /// \returns one label per voxel on the grid of `ct`, or
-///   - kInvalidArgument  an option is out of range, `ct` does not match its grid, or has so many
-///                       voxels that options.max_memory_gib is exceeded;
-///   - kAnatomyMissing   the scan is empty or constant, or contains no skin or no bone;
+///   - kInvalidArgument  an option is out of range, the grid of `ct` is invalid or does not match
+///     the values, or options.max_memory_gib is exceeded;
+///   - kAnatomyMissing   the scan is empty or constant, or shows no skin, no bone, or no air around
+///     the patient;
 ///   - kCancelled        `progress` requested a stop.
 /// \note The result has the same bits for any number of threads.
 /// \note Memory: at most 40 bytes per voxel, in addition to the scan.

@@ -18,8 +18,8 @@ inline constexpr double kHalfGap_voxels = 0.625;
 /// that is inside the second label and has one inside the first among its 26 neighbors is set
 /// outside: no cell of eight voxels contains both, hence no triangle connects them.
 ///
-/// \param in_first, in_second    the voxels of the labels. \pre disjoint, on one grid.
-/// \param first_mm, second_mm    positive inside, on the grid of the labels; limited.
+/// \param in_first, in_second  the voxels of the labels. \pre disjoint, on one grid.
+/// \param first_mm, second_mm  changed; positive inside, on the grid of the labels.
 void separate_levels(const Mask& in_first, const Mask& in_second, image::ScalarVolume& first_mm,
                      image::ScalarVolume& second_mm);
 

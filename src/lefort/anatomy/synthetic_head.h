@@ -14,8 +14,8 @@
 
 namespace lefort::anatomy {
 
-/// Signed distances to the surfaces of the synthetic head, exact to first order near zero [mm]:
-/// positive *inside*, as level-set functions are (tissue_levels.h).
+/// Level-set functions of the synthetic head [mm], exact to first order near zero: positive inside
+/// (tissue_levels.h).
 ///
 /// \param p_L  a point [mm]; the origin is inside the head.
 namespace synthetic {
@@ -26,7 +26,7 @@ namespace synthetic {
 [[nodiscard]] double brain(const Vec3& p_L);
 [[nodiscard]] double airway(const Vec3& p_L);  ///< Nostril, nose and pharynx.
 [[nodiscard]] double sinuses(const Vec3& p_L);
-[[nodiscard]] double holder(const Vec3& p_L);
+[[nodiscard]] double holder(const Vec3& p_L);  ///< The head holder.
 }  // namespace synthetic
 
 /// CT numbers of the materials [HU], typical of air, soft tissue and cortical bone.
@@ -35,7 +35,7 @@ struct SyntheticMaterials {
   double soft_hu = 40.0;
   double bone_hu = 900.0;
   double holder_hu = 200.0;
-  double noise_hu = 12.0;  ///< Standard deviation of noise; reproducible for the same grid.
+  double noise_hu = 12.0;  ///< Standard deviation of noise; reproducible for equal grid and seed.
 };
 
 /// A grid of cubes of `voxel_mm` over the head and its holder, axes along L.

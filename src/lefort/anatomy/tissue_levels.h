@@ -18,7 +18,8 @@ namespace lefort::anatomy {
 /// Whether sinuses are cavities of the bone or part of it.
 enum class Cavities {
   kKeep,  ///< Sinuses are cavities.
-  /// Sinuses are solid: for contact, because a sinus wall is thinner than a load step.
+  /// Sinuses are solid: for contact, because a sinus wall may be thinner than the motion of a bone
+  /// in one load increment.
   kFillSinuses,
 };
 
@@ -33,12 +34,12 @@ enum class Bones {
 struct LevelOptions {
   double bone_hu = 226.0;
   double skin_hu = -300.0;
-  /// Sigma of the Gaussian that removes voxel steps and noise at bone_hu and skin_hu; bone gets
-  /// less because of its thin walls. Along an axis with coarse voxels it is at least 0.8 voxels for
-  /// bone and 1 for skin. >= 0; 0 means no smoothing.
+  /// Sigma of the Gaussian that removes voxel steps and noise at bone_hu and skin_hu; bone is
+  /// smoothed less because of its thin walls. Along an axis with coarse voxels it is at least 0.8
+  /// voxels for bone and 1 for skin. >= 0; 0 means no smoothing.
   double bone_smoothing_mm = 0.8;
   double skin_smoothing_mm = 1.0;
-  double thinnest_tissue_mm = 2.5;  ///< Thinner sheets are not part of the soft tissue.
+  double thinnest_tissue_mm = 2.5;  ///< See soft_tissue_level().
   double nostril_depth_mm = 5.0;    ///< Depth up to which the skin surface follows the nostrils.
 };
 
@@ -69,8 +70,9 @@ struct LevelOptions {
                                              const LevelOptions& options = {});
 
 /// The deformable soft tissue: inside the skin, outside of bone with filled sinuses and of the
-/// airway, without the brain, and without sheets thinner than `thinnest_tissue_mm` (turbinates, the
-/// blur between bone and air). Only the largest connected component.
+/// airway, without the brain; more than 5 mm from the background, also without sheets thinner than
+/// `thinnest_tissue_mm` (turbinates, the blur between bone and air). Only the largest connected
+/// component.
 ///
 /// \param ct        the scan.
 /// \param labels    of the scan. \pre it is on the grid of `ct`.

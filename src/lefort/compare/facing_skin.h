@@ -19,8 +19,8 @@ struct FacingMovement {
 
 /// The anterior surface: triangles of the segment whose normal is within 60 degrees of the
 /// direction and that are not hidden by another part of the segment. From the center of each, a ray
-/// in that direction leaves the head through the skin; the last exit within 40 mm counts, so that
-/// walls of the mouth are crossed. Each triangle is weighted by its area projected along the
+/// in that direction leaves the head through the skin; the last exit within 40 mm counts, because
+/// the ray may pass through the mouth. Each triangle is weighted by its area projected along the
 /// direction.
 ///
 /// \param segment_L        closed, counter-clockwise seen from outside.

@@ -15,7 +15,7 @@ namespace lefort::compare {
 ///
 /// \param landmarks_L        before the displacement; those that are not of the skin are ignored.
 /// \param before_L, after_L  the same surface in two states: equal vertex counts and triangles.
-/// \param near_mm            largest distance of a landmark from the skin.
+/// \param near_mm            max distance of a landmark from the skin.
 /// \returns the displaced landmarks within `near_mm` of the skin, in their order; or
 ///   kInvalidArgument if the vertex counts or triangles differ.
 [[nodiscard]] Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmarks_L,

@@ -17,7 +17,7 @@ namespace lefort::compare {
 /// on it, in this order: Zy, FZ: Le Fort III; Or, N: Le Fort II; ANS, A, U1: Le Fort I; L1, B:
 /// sagittal split; Pg, Gn, Me: genioplasty; without these, that of the segment it was cut from. A
 /// Le Fort II or III by distraction is a midface distraction. The whole mandible is compared with
-/// sagittal splits, which move the same chin.
+/// sagittal splits, which move the chin, too.
 ///
 /// \param planned    the segments.
 /// \param landmarks  before surgery.

@@ -62,11 +62,11 @@ struct PublishedRatio {
   std::string_view hard;    ///< Landmark of bone; or kSegment: movement of the segment as a whole.
   double low, high;         ///< low <= high; equal if the study gives a mean only.
   std::string_view source;  ///< Key of docs/references.bib.
-  bool is_recalled;         ///< The figure was not compared with the article.
+  bool is_recalled;         ///< The value was not compared with the article.
 };
 
 inline constexpr std::string_view kSegment = "segment";
-/// Length of the upper lip: displacement of Stm relative to Sn, along the superior axis only.
+/// Shortening of the upper lip: displacement of Stm relative to Sn, along the superior axis only.
 inline constexpr std::string_view kUpperLip = "Stm-Sn";
 
 /// A study or review.

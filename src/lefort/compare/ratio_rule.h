@@ -1,6 +1,6 @@
 /// \file
-/// The rule of thumb that a finite-element prediction must beat: skin moves by a fixed fraction of
-/// the displacement of the closest bone.
+/// The ratio rule, with which finite-element predictions are compared: skin moves by a fixed
+/// fraction of the displacement of the closest bone.
 #pragma once
 
 #include <lefort/compare/face_regions.h>
@@ -12,9 +12,10 @@
 namespace lefort::compare {
 
 /// Ratio of soft to hard tissue movement. Centers of the ranges of a systematic review of profile
-/// ratios \cite olate2016 are used: soft pogonion to pogonion 0.9 to 1; mentolabial fold to point B
-/// 1; upper lip (Ls to U1) 0.6 to 1; subnasale to ANS 0.6 to 0.9. There are no profile ratios of
-/// the cheeks: they take the ratio of subnasale, and skin outside all regions does not move.
+/// ratios \cite olate2016 are used: chin, soft pogonion to pogonion 0.9 to 1; lower lip,
+/// mentolabial fold to point B 1; upper lip, Ls to U1 0.6 to 1; nose, subnasale to ANS 0.6 to 0.9.
+/// The cheeks, which have no profile ratios, have that of the nose. Skin outside all regions does
+/// not move.
 ///
 /// \param region  of the face.
 /// \returns the ratio, 0 to 1.
@@ -26,8 +27,8 @@ struct MovedBone {
   RigidTransform X_LB;                      ///< The movement; the identity for stationary bone.
 };
 
-/// Moves the skin by the ratio of its region times the displacement that the closest bone would
-/// give it.
+/// Moves each point of the skin by the ratio of its region times the displacement that it would
+/// have if it moved rigidly with the closest bone.
 ///
 /// \param skin_L     before surgery.
 /// \param region_of  one per vertex.

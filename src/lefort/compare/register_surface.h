@@ -13,9 +13,9 @@
 namespace lefort::compare {
 
 struct RegisterOptions {
-  Index max_points = 20000;  ///< Largest number of vertices used in the last iterations; >= 100.
+  Index max_points = 20000;  ///< Max number of vertices used in the last iterations; >= 100.
   int max_iterations = 200;  ///< >= 1.
-  /// Largest median of the distances after registration; > 0. The bone in two scans of one patient
+  /// Max median of the distances after registration; > 0. The bone in two scans of one patient
   /// agrees within a fraction of a voxel.
   double max_median_mm = 1.5;
 };
@@ -43,7 +43,8 @@ struct Registration {
 /// \param options   points, iterations and the acceptable distance.
 /// \param progress  receives the fraction done; may request a stop.
 /// \returns the motion, or
-///   - kInvalidArgument  fewer than 100 vertices, an option out of range, no initial alignment;
+///   - kInvalidArgument  fewer than 100 vertices have a normal, an option is out of range, or there
+///     is no initial alignment;
 ///   - kNotConverged     the iterations do not converge, half of the points or more have no
 ///     counterpart, the inlier fraction is below 1/3, the median distance exceeds
 ///     options.max_median_mm, or the surfaces do not determine the motion (stability below 1e-4);

@@ -62,11 +62,13 @@ struct MovedSegments {
 /// axis. The displacement of the skin is interpolated at the closest point of the skin, within
 /// 5 mm; that of bone is the rigid motion of the segment that the landmark lies on
 /// (plan::bones_of_landmarks()). The pairs are those of published_ratios(); for each landmark of
-/// the skin, those with a published range for the movement, otherwise the first pair.
+/// the skin, those with a published range for the movement, otherwise the first pair. Paired
+/// landmarks of the skin have a ratio along the lateral axis only, on the side to which the segment
+/// moves.
 ///
 /// The skin that faces a segment has a ratio without any landmark: mean displacement of that skin
 /// over mean displacement of the segment's anterior surface. Its published range is that of all
-/// rows except those of Prn, Al and kUpperLip.
+/// rows for the movement except those of Prn, Al and kUpperLip.
 ///
 /// A ratio is given if the bone moves by 1 mm or more along the axis: below that, it is mostly the
 /// error of the displacements. Published ranges depend on the procedure: the template of the

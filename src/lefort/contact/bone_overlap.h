@@ -18,13 +18,13 @@ struct SolidBone {
 
 /// Overlap of a first and a second bone.
 struct BoneOverlap {
-  double volume_mm3 = 0.0;        ///< Common to both bones.
-  double deepest_mm = 0.0;        ///< 0 without overlap; at most the range of the distance query.
-  Vec3 deepest_L = Vec3::Zero();  ///< Position of that point [mm].
+  double volume_mm3 = 0.0;            ///< Common to both bones.
+  double deepest_mm = 0.0;            ///< 0 without overlap; limited by the range of the query.
+  Vec3 deepest_L = Vec3::Zero();      ///< Position of the deepest point [mm].
   bool depth_is_lower_bound = false;  ///< A point lies beyond the range of the distance query.
-  /// Of each vertex of the first bone in the second; 0 outside, or if it touches (kTouching_mm).
+  /// Depth of each vertex of the first bone in the second; 0 if at most kTouching_mm.
   std::vector<double> depth_mm;
-  std::vector<double> depth_of_second_mm;  ///< Of each vertex of the second bone in the first.
+  std::vector<double> depth_of_second_mm;  ///< The same of the second bone in the first.
 
   [[nodiscard]] bool overlaps() const { return deepest_mm > 0.0; }
 };
@@ -37,7 +37,7 @@ inline constexpr double kTouching_mm = 0.1;
 /// wall pierced by a long triangle is found.
 ///
 /// The volume is counted on a lattice of about a million points, in the bounding box of all points
-/// that do more than touch. A point beyond the range of the distance query counts with that depth.
+/// that do more than touch. A point beyond the range of the distance query has the range as depth.
 /// \param moved            first bone; \pre its surface is not null.
 /// \param stationary       second bone; \pre its surface is not null.
 /// \param edge_spacing_mm  max distance between the samples of an edge, > 0.

@@ -2,9 +2,9 @@
 /// Points on sharp parts of a bone: edges and tips that pass between the nodes of the tissue.
 ///
 /// A part is sharp if the tissue mesh cannot follow it: its radius of curvature is less than the
-/// element size h. With the outward normal n at a surface point p, tangents t and r = h / 2, the
-/// signed distance g of a surface of curvature 1/h in both directions +-t is r^2 / (2 h) = h / 8,
-/// so that p is sharp if
+/// element size h. Let t be a unit tangent at a surface point p, and r = h / 2. If the surface has
+/// the curvature 1/h along t, its signed distance g at p +- r t is r^2 / (2 h) = h / 8. Therefore p
+/// is sharp if
 ///
 ///   max over t of min(g(p + r t), g(p - r t)) > h / 8
 ///
@@ -69,13 +69,14 @@ class BonePoints {
 };
 
 /// \param bone_B  triangles counter-clockwise seen from outside.
-/// \returns its vertices with normals, without those of degenerate triangles only.
+/// \returns its vertices with normals, without vertices that only degenerate triangles have.
 [[nodiscard]] std::vector<BonePoint> vertices_of(const geometry::TriangleMesh& bone_B);
 
-/// \param bone_B           triangles counter-clockwise seen from outside.
+/// \param bone_B            triangles counter-clockwise seen from outside.
 /// \param distance_query_B  of the bone; its range is at least element_size_mm / 8.
-/// \param element_size_mm  h > 0, of the tissue.
-/// \returns vertices of the bone, and points along its edges at most h / 10 apart, that are sharp.
+/// \param element_size_mm   h > 0, of the tissue.
+/// \returns those vertices of the bone, and points along its edges at most h / 10 apart, that are
+///   sharp.
 [[nodiscard]] BonePoints sharp_points(const geometry::TriangleMesh& bone_B,
                                       const DistanceQuery& distance_query_B,
                                       double element_size_mm);

@@ -77,13 +77,13 @@ class ContactHistory {
   }
 
   /// Accepts the present state of a point. The contact reference is updated, except where a
-  /// tangent plane is the constraint or the medial surface has been crossed.
+  /// tangent plane is the constraint or, if planes are used, the medial surface has been crossed.
   /// \returns whether the point has tunneled.
   bool commit(std::size_t point, const RigidObstacle& obstacle, const Vec3& p_L,
               const Gap& measured);
 
   /// Makes the tangent plane the constraint of a point that has crossed the medial surface.
-  /// \returns whether it was not the constraint before.
+  /// \returns whether this call has made it the constraint.
   bool activate_tangent_plane(std::size_t point, const RigidObstacle& obstacle, const Vec3& p_L,
                               const Gap& measured);
 
@@ -91,8 +91,9 @@ class ContactHistory {
   ///
   ///   lambda <- p;   s <- beta s  if d > tolerance and d > gamma d_previous
   ///
-  /// with the penalty scale s; beta, gamma and a bound of s are constants of the .cpp file.
-  /// A point without pressure loses its multiplier and its penalty scale.
+  /// with the penalty scale s, and d_previous at the last update since begin_step(). beta, gamma
+  /// and a bound of s are constants of the .cpp file. A point without pressure loses its multiplier
+  /// and its penalty scale.
   /// \param pressure_mpa  p at the converged state, >= 0.
   /// \param depth_mm      d at the converged state.
   /// \param tolerance_mm  penetration tolerance; 0 if there is none.
@@ -124,7 +125,7 @@ class ContactHistory {
     double multiplier_mpa = 0.0;
     bool is_plane_constrained = false;  ///< By the tangent plane of the contact reference.
     double penalty_scale = 1.0;
-    /// At the last multiplier update since begin_step().
+    /// d at the last multiplier update since begin_step(); infinite if there was none.
     double previous_depth_mm = std::numeric_limits<double>::infinity();
   };
   struct Point {

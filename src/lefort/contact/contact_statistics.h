@@ -24,8 +24,8 @@ struct ContactStatistics {
   double area_mm2 = 0.0;                      ///< Of the reference surface in contact.
   double max_penetration_mm = 0.0;            ///< Over that area.
   double mean_penetration_mm = 0.0;           ///< Over that area.
-  double max_penetration_increase_mm = 0.0;   ///< Penetration increase, over that area.
-  double mean_penetration_increase_mm = 0.0;  ///< Penetration increase, over that area.
+  double max_penetration_increase_mm = 0.0;   ///< Over that area.
+  double mean_penetration_increase_mm = 0.0;  ///< Over that area.
   /// Penetration increase that 99 % of that area does not exceed; >= 0.
   double p99_penetration_increase_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
@@ -80,8 +80,8 @@ class ContactStatisticsSum {
   std::vector<std::pair<double, double>> depth_and_area_;
 };
 
-/// Averages NodalContact point by point. The pressure is not evaluated at the node itself: flat
-/// faces around a ball touch it in their middle only.
+/// Averages NodalContact point by point. The pressure is not evaluated at the node itself: the flat
+/// faces around a convex bone touch the bone in their middle only.
 class NodalContactSum {
  public:
   /// \param nodes  of the patch of the point.

@@ -14,8 +14,8 @@
 ///   r_a   = dW / dx_a       = - sum_n A_n N_a p_n grad g
 ///   K_ab  = d2W / dx_a dx_b =   sum_n A_n N_a N_b (2 s_n k_c grad g (x) grad g - p_n Hess g)
 ///
-/// where K has the points with p_n > 0 only; lambda_n >= 0 is the multiplier and s_n >= 1 the
-/// penalty scale of the point.
+/// where the sum of K is over the points with p_n > 0 only; lambda_n >= 0 is the multiplier and
+/// s_n >= 1 the penalty scale of the point.
 #pragma once
 
 #include <lefort/contact/contact_clearance.h>
@@ -45,10 +45,10 @@ namespace lefort::contact {
 /// `contact_snap_mm` in magnitude, or is negative; else it is zero.
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
-/// If a penetration tolerance is set, the tangent plane of its contact reference becomes the
-/// constraint of a point that has crossed the medial surface. Planes change between solves only, so
-/// that each solve has a potential. Without a tolerance there are no planes: the penalty is so soft
-/// that tissue often lies beyond the medial surface, and with planes the result would depend on the
+/// If a penetration tolerance is set, a point that has crossed the medial surface is constrained by
+/// the tangent plane of its contact reference. Planes change between solves only, so that
+/// each solve has a potential. Without a tolerance there are no planes: the penalty is so soft that
+/// tissue often lies beyond the medial surface, and with planes the result would depend on the
 /// increments.
 ///
 /// **States.** Each point has a present and an accepted state (contact_history.h). None of the
@@ -72,7 +72,7 @@ class ContactTerm final : public fem::ForceTerm {
     /// magnitude touches the bone there; >= 0, less than the range of the distance query.
     double contact_snap_mm = 0.0;
     Integration integration = Integration::kQuadrature;
-    /// Largest P99 of the penetration increase, > 0 [mm], reached by multipliers
+    /// Max P99 of the penetration increase, > 0 [mm], reached by multipliers
     /// (solve_augmented_lagrangian.h). Empty: penalty only.
     std::optional<double> penetration_tolerance_mm = std::nullopt;
   };
@@ -126,7 +126,7 @@ class ContactTerm final : public fem::ForceTerm {
   Index activate_tangent_planes(std::span<const Vec3> x_L);
 
   /// Sets each multiplier to the pressure of its point at a converged state, and raises the penalty
-  /// scale of slow points (ContactHistory::update_multiplier).
+  /// scale of points whose depth decreases too slowly (ContactHistory::update_multiplier).
   /// \param x_L  current positions of all nodes [mm].
   void update_multipliers(std::span<const Vec3> x_L);
 
@@ -147,9 +147,10 @@ class ContactTerm final : public fem::ForceTerm {
   /// \returns the reference area that has tunneled since the last accepted state [mm^2].
   [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
-  /// A bone that has jumped through the tissue leaves an equilibrium on its wrong side. An
-  /// increment in which too much of the contact area has tunneled is therefore rejected. Small
-  /// areas are accepted and reported: they tunnel over thin edges however small the increment.
+  /// If the bone has jumped through the tissue, the tissue is in equilibrium on the wrong side of
+  /// the bone. An increment in which too much of the contact area has tunneled is therefore
+  /// rejected. Small areas are accepted and reported: they tunnel over thin edges even in the
+  /// smallest increments.
   /// \param x_L  current positions of all nodes [mm].
   /// \returns why a converged state is rejected; nothing if it is accepted.
   [[nodiscard]] std::optional<std::string> rejection_reason(std::span<const Vec3> x_L) const;

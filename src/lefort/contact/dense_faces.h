@@ -1,5 +1,5 @@
 /// \file
-/// Dense samples of faces, to report penetration between the points of a formulation.
+/// Dense samples of faces, to report penetration between the quadrature points.
 #pragma once
 
 #include <lefort/contact/face_quadrature.h>

@@ -39,8 +39,8 @@ inline constexpr std::uint8_t kNodeRule = 4;
 [[nodiscard]] const FaceQuadrature& face_quadrature(std::size_t number);
 
 /// Fraction of the area of a face that is lumped at its a-th node. A face with mid-edge nodes is
-/// divided into linear faces between its nodes. All fractions are positive, and the lumped forces
-/// are exact for a pressure that varies linearly.
+/// divided into triangles (face_division()). All fractions are positive, and the sum of the lumped
+/// forces is exact for a pressure that varies linearly.
 [[nodiscard]] double lumped_weight(mesh::FaceShape shape, std::size_t a);
 
 /// \param x_L  nodes of the face [mm].

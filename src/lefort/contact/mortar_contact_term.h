@@ -19,8 +19,8 @@
 ///   K_bc  = sum_a [ 2 k / A_a G_ab G_ac^T - p_a sum_n A_n M_a N_b N_c Hess g ]
 ///   G_ab  = sum_n A_n M_a N_b grad g
 ///
-/// so that Newton's method is the primal-dual active set strategy. One condition for each node does
-/// not over-constrain the faces, as one for each quadrature point does.
+/// so that Newton's method is the primal-dual active set strategy. One condition for each
+/// quadrature point would over-constrain the faces; one for each node does not.
 ///
 /// A weighted gap is a mean, and lets sharp bone pass between the nodes. Each sharp point v of a
 /// bone (bone_points.h) therefore has a condition of its own. D > 0 is its depth behind the tissue
@@ -62,8 +62,8 @@ inline constexpr double kMortarTolerance_mm = 0.01;
   return 2.0 * young_mpa / tolerance_mm;
 }
 
-/// For each node patch, an estimate of its contact pressure [MPa]. In patches with a positive one
-/// the penalty acts for both signs of the weighted gap. Empty: contact is unilateral.
+/// For each node patch, an estimate of its contact pressure [MPa]. In a patch with a positive
+/// estimate the penalty acts for both signs of the weighted gap. Empty: contact is unilateral.
 using ActiveSet = std::vector<double>;
 
 /// \returns whether the same patches are active.
@@ -73,10 +73,10 @@ class MortarContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
     double stiffness_mpa_per_mm = 0.0;  ///< k > 0; see mortar_stiffness_mpa_per_mm().
-    /// Contact snap distance, as ContactTerm::Options.
+    /// Contact snap distance, as in ContactTerm::Options.
     double contact_snap_mm = 0.0;
-    /// Whether sharp points have conditions of their own. The tissue mesh must resolve the bone
-    /// except for its edges and tips: more points than nodes over-constrain the faces.
+    /// Whether sharp points have conditions of their own. The tissue mesh must then resolve the
+    /// bone except for its edges and tips: more points than nodes over-constrain the faces.
     bool has_sharp_points = true;
   };
 
@@ -91,9 +91,9 @@ class MortarContactTerm final : public fem::ForceTerm {
   void set_pose(std::size_t bone, const RigidTransform& X_LB) { obstacles_[bone].X_LB = X_LB; }
 
   /// Lets the penalty act in the patches of a set for both signs of the weighted gap, and not at
-  /// all in the others; used by solve_active_set(). The Hess g term of the stiffness then has the
-  /// estimated pressure. 2 k times the present depth would be large and wrong until the step has
-  /// closed the gap. Not while the term is being evaluated.
+  /// all in the others; used by solve_active_set(). In the Hess g term of the stiffness, p_a is
+  /// then the estimated pressure of the set: 2 k times the present depth would be large and wrong
+  /// until the step has closed the gap. Not while the term is being evaluated.
   /// \param active  one entry per node patch, or empty: unilateral contact.
   void set_active(ActiveSet active) { active_ = std::move(active); }
 
@@ -131,7 +131,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   ///   passes the medial surface of a bone (step_bound.h).
   [[nodiscard]] double max_step_length(std::span<const Vec3> x_L, std::span<const Vec3> dx_L) const;
 
-  /// The same for a motion of tissue and bones from an earlier state to the present poses.
+  /// As max_step_length(), for a motion of tissue and bones from an earlier state to `to_L` and the
+  /// present poses.
   /// \param from_L     earlier positions of all nodes [mm].
   /// \param from_X_LB  earlier pose of each bone.
   /// \param to_L       positions of all nodes [mm].
@@ -140,11 +141,12 @@ class MortarContactTerm final : public fem::ForceTerm {
                                   std::span<const Vec3> to_L) const;
 
   /// Changes the end of a motion that max_motion() does not allow: the nodes of patches through
-  /// which a bone would pass move with this bone instead, until it passes through none.
+  /// which a bone would pass move with this bone instead. This is repeated until no bone passes
+  /// through a patch, at most 20 times.
   /// \param from_L     earlier positions of all nodes [mm].
   /// \param from_X_LB  earlier pose of each bone.
   /// \param to_L       positions of all nodes [mm].
-  /// \returns the changed positions.
+  /// \returns the changed positions; max_motion() may still not allow them.
   [[nodiscard]] std::vector<Vec3> carried(std::span<const Vec3> from_L,
                                           std::span<const RigidTransform> from_X_LB,
                                           std::vector<Vec3> to_L) const;
@@ -156,7 +158,7 @@ class MortarContactTerm final : public fem::ForceTerm {
 
   /// \param x_L  current positions of all nodes [mm].
   /// \returns for each bone, one entry per node of the faces, ascending; a node has the pressure
-  ///   and depth of its condition at the closest bone, and none at others.
+  ///   and depth of its condition at the closest bone, and 0 at the others.
   [[nodiscard]] std::vector<std::vector<NodalContact>> at_nodes_by_bone(
       std::span<const Vec3> x_L) const;
 
@@ -181,9 +183,9 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// first node.
   [[nodiscard]] std::vector<Vec3> own_points(const NodePatch& patch,
                                              std::span<const Vec3> x_L) const;
-  /// Points of one bone, with their depths in the reference configuration, D_0. It is infinite for
-  /// points deeper than max_depth_mm there: parts of the bone that the tissue mesh does not
-  /// resolve.
+  /// Points of one bone, with their depths D_0 in the reference configuration. D_0 is infinite for
+  /// points deeper than max_depth_mm_ there, up to twice as deep: parts of the bone that the tissue
+  /// mesh does not resolve.
   struct PointsWithRest {
     BonePoints points;
     std::vector<double> rest_depths_mm;
@@ -210,8 +212,8 @@ class MortarContactTerm final : public fem::ForceTerm {
   NodePatches patches_;
   ActiveSet active_;
   std::vector<double> rest_gaps_mm_;  ///< g_0 of each quadrature point.
-  /// Of each patch: g_a in the reference configuration without this offset, if that is negative. It
-  /// can be, because weight functions are partly negative.
+  /// Of each patch: g_a in the reference configuration without this offset, if negative, else 0. It
+  /// can be negative, because weight functions are partly negative.
   std::vector<double> rest_offsets_mm_;
   /// Of each patch: depth up to which a point behind it is in contact, half of its radius. The
   /// radius is the largest distance of its node from another node of the patch.
@@ -221,7 +223,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   std::vector<mesh::Face> faces_;
   std::vector<double> face_areas_mm2_;      ///< In the reference configuration.
   std::vector<double> dense_rest_gaps_mm_;  ///< g_0 of the dense samples of all faces.
-  std::vector<double> gap_bounds_;  ///< Of each patch: |change of g_a| over |change of positions|.
+  std::vector<double> gap_bounds_;  ///< Of each patch: bound of |change of g_a| over |motion|.
 
   /// \returns how far a node of a patch has moved relative to a bone since note_clearances() [mm];
   ///   infinite if it has not been called.

@@ -20,7 +20,7 @@ struct PatchFace {
   std::uint8_t center = 0;                          ///< Place of the patch's node in the face.
   std::array<std::uint8_t, kMaxFaceNodes> local{};  ///< Of each node: place in NodePatch::nodes.
   std::size_t first_point = 0;  ///< Number of its first quadrature point among those of all faces.
-  std::size_t number = 0;       ///< Of the face.
+  std::size_t number = 0;       ///< Of the face, among all contact faces.
   std::uint8_t border_sides =
       0;  ///< Bit i: side i, from corner i, lies on the border: no other contact face has it.
 };

@@ -6,7 +6,7 @@
 ///   t      = -dphi/dx = 2 k_c d grad g            traction on the tissue, outward from the bone
 ///
 /// The pure penalty leaves residual penetration. The augmented Lagrangian has a multiplier
-/// lambda >= 0, a contact pressure that needs no penetration (\cite wriggers2006):
+/// lambda >= 0, the contact pressure at d = 0 (\cite wriggers2006):
 ///
 ///   p(d)      = lambda + 2 k_c d                     pressure; no contact if not positive
 ///   phi(d)    = (max(p, 0)^2 - lambda^2) / (4 k_c)   dphi/dd = max(p, 0)

@@ -1,6 +1,6 @@
 /// \file
-/// Points of bones that may lie behind a node patch, noted at one state, so that later states near
-/// it need not search.
+/// Points of bones that may lie behind a node patch, noted at one state. States close to the noted
+/// one then need no search.
 ///
 /// The distance between a point of a bone and a face changes by at most the motion m of the nodes
 /// of the face relative to the bone (|grad d| <= 1; \cite macklin2020). With the distance d of the

@@ -34,30 +34,31 @@ struct PointDepth {
   double depth_mm = 0.0;     ///< D > 0.
   double weight = 0.0;       ///< Hat function of the patch's node at P.
   double fade = 1.0;         ///< s at P, 0 to 1.
-  std::uint8_t corners = 0;  ///< Corners of the face, edge or vertex: 3, 2 or 1.
+  std::uint8_t corners = 0;  ///< Number of corners of the face, edge or vertex: 3, 2 or 1.
   std::array<Vec3, 3> gradient_L{Vec3::Zero(), Vec3::Zero(),
                                  Vec3::Zero()};  ///< dD/dx of each corner.
-  std::array<Vec3, 3> fade_gradient_L{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< ds/dx.
+  /// ds/dx of each corner [1/mm].
+  std::array<Vec3, 3> fade_gradient_L{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   Eigen::Matrix<double, 9, 9> hessian_L =
       Eigen::Matrix<double, 9, 9>::Zero();  ///< Of D [1/mm]; upper left 3 corners x 3.
-  Eigen::Matrix<double, 9, 9> positive_L =
-      Eigen::Matrix<double, 9, 9>::Zero();  ///< Positive semidefinite part of D Hess D, bounded.
-  /// Shape functions of the corners: row of the patch's nodes.
+  /// Positive semidefinite approximation of D Hess D, bounded as D goes to 0; 0 inside a face.
+  Eigen::Matrix<double, 9, 9> positive_L = Eigen::Matrix<double, 9, 9>::Zero();
+  /// Of each corner: the shape functions there, in the order of the nodes of the face.
   std::array<std::array<double, kMaxFaceNodes>, 3> N{};
-  std::uint8_t face = 0;  ///< Of the patch.
+  std::uint8_t face = 0;  ///< Index in NodePatch::faces.
 };
 
 /// A triangle of the division of a patch.
 struct PatchTriangle {
   std::array<Vec3, 3> x_L;    ///< Corners [mm].
-  std::array<int, 3> keys{};  ///< Of each corner: place of the node in the patch, or -1 - face.
-  std::uint8_t face = 0;      ///< Of the patch.
+  std::array<int, 3> keys{};  ///< Of each corner: place in NodePatch::nodes; -1 - face at a center.
+  std::uint8_t face = 0;      ///< Index in NodePatch::faces.
   std::uint8_t number = 0;    ///< In the division of the face.
   std::array<bool, 3> border_corners{};  ///< Whether a corner lies on the border.
   std::array<bool, 3> border_edges{};    ///< Whether the edge from a corner to the next does.
 
   [[nodiscard]] Vec3 normal() const { return (x_L[1] - x_L[0]).cross(x_L[2] - x_L[0]); }
-  /// \returns the place of a corner; -1 if it is none.
+  /// \returns the number of the corner with this key; -1 if there is none.
   [[nodiscard]] int place_of(int key) const {
     for (int c = 0; c < 3; ++c)
       if (keys[std::size_t(c)] == key) return c;
@@ -72,15 +73,17 @@ struct PatchTriangle {
 /// Width of the fade, as a fraction of half an edge.
 inline constexpr double kFadeWidth = 0.4;
 
-/// \param patch         the patch.
-/// \param triangles     triangles_of() the patch.
-/// \param v             the point, with the outward normal of its bone.
-/// \param max_depth_mm  max depth.
+/// \param patch          the patch.
+/// \param triangles      triangles_of() the patch.
+/// \param v              the point and the outward normal of its bone, here in frame L.
+/// \param max_depth_mm   max depth.
+/// \param wants_hessian  whether hessian_L and positive_L are computed.
 /// \returns the depth; nothing
-///   - if the point is outside, or deeper than `max_depth_mm`,
-///   - if its bone is on the other side of the tissue: its normal does not oppose that of the face,
-///   - if it is closest to the border of the patch, where its hat function is 0, or to the border
-///     of the contact faces, where its fade is 0.
+///   - if the point is outside the tissue, or deeper than `max_depth_mm`,
+///   - if its bone is on the other side of the tissue: the normals of bone and face do not oppose
+///     each other,
+///   - if P lies on the border of the patch, where the hat function of its node is 0, or on the
+///     border of the contact faces, where the fade is 0.
 [[nodiscard]] std::optional<PointDepth> point_depth(const NodePatch& patch,
                                                     std::span<const PatchTriangle> triangles,
                                                     const BonePoint& v, double max_depth_mm,

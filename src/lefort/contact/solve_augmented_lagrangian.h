@@ -29,16 +29,17 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 ///    return.
 /// 2. Commit the state.
 /// 3. If the P99 of the depth exceeds the tolerance of a contact, update the multipliers of all
-///    contacts. Activate the tangent planes that are needed. If neither was needed, return.
+///    contacts that have a tolerance. Activate the tangent planes that are needed. If neither was
+///    needed, return.
 /// 4. If three updates in a row have neither reduced the P99 below 0.99 of its minimum so far nor
 ///    activated a plane, roll back and return.
 /// 5. Solve again from the last equilibrium. If that fails or is rejected, roll back and return the
 ///    last equilibrium; else continue with step 2, at most kMaxMultiplierUpdates times.
 ///
-/// The depth is the penetration increase. The loop may end above the tolerance, where an edge of
-/// the bone or two bones catch the tissue. The returned state is an equilibrium all the same;
-/// ContactStatistics reports its depth.
-/// \param contacts  at their poses. They are left in the accepted state that is returned.
+/// The depth is the penetration increase. The loop may end above the tolerance, where tissue is
+/// caught at an edge of a bone or between two bones. The returned state is an equilibrium all the
+/// same; ContactStatistics reports its depth.
+/// \param contacts  at their poses. If an equilibrium is returned, they are in its accepted state.
 /// \param nodes_L   nodes in the reference configuration [mm].
 /// \param start     displacements of all nodes [mm], first argument of the first solve.
 /// \param solve     finds the equilibrium from a start.
@@ -46,7 +47,7 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 ///   - the first outcome if it did not converge, or with kRejected if a contact rejects it;
 ///   - an outcome that was cancelled or ran out of memory;
 ///   - else the last equilibrium, with the histories of all solves, each except the first without
-///     its start. After a solve that failed, the line of the equilibrium returned to is repeated.
+///     its start. After a failed solve, the last entry of the returned equilibrium is repeated.
 [[nodiscard]] fem::NewtonOutcome solve_augmented_lagrangian(
     std::span<ContactTerm> contacts, std::span<const Vec3> nodes_L, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& start)>& solve);

@@ -1,12 +1,12 @@
 /// \file
 /// Contact in thin bone.
 ///
-/// The closest surface does not always show the way out of thin bone. Beyond the medial surface of
-/// a plate it is the far side, and in a ridge it is one of the flanks, while the tissue must leave
-/// over the tip. Each point therefore stores the closest point and the normal of the last accepted
-/// state in which it had not crossed the medial surface (contact reference). Once it has crossed,
-/// the tangent plane of that state is its constraint. The half-space behind a plane has no edges,
-/// and its potential is convex.
+/// The normal of the closest surface does not always point out of thin bone the right way. Beyond
+/// the medial surface of a plate the closest surface is the far side. In a ridge it is one of the
+/// flanks, while the tissue must leave over the tip. Each point therefore stores the closest point
+/// and the normal of the last accepted state in which it had not crossed the medial surface
+/// (contact reference). Once it has crossed, the tangent plane of that state is its constraint. The
+/// half-space behind a plane has no edges, and its potential is convex.
 ///
 ///        tangent plane - - - - ___ - - - -     reference: closest point and normal at the tip
 ///                             / o \            o: closest are the flanks, in alternation
@@ -48,18 +48,21 @@ struct ContactReference {
 
 /// \param gap   measure_gap() of p_L.
 /// \param last  contact reference of the point.
-/// \returns whether a point that had crossed the medial surface is back: it is beyond the band, it
-///   is off the bone with the closest normal within 120 degrees of the reference normal, the
-///   closest normal is within about 45 degrees of it, or the tangent plane is not further away than
-///   the closest surface. The thresholds leave a hysteresis to has_crossed_medial_surface().
+/// \returns whether a point that had crossed the medial surface has returned, by one of these:
+///   - it is beyond the band,
+///   - it is outside the bone, and the closest normal is within 120 degrees of the reference
+///     normal,
+///   - the closest normal is within about 45 degrees of the reference normal,
+///   - the tangent plane is not further away than the closest surface.
+///   45 degrees instead of the 60 of has_crossed_medial_surface() give a hysteresis.
 [[nodiscard]] bool has_returned(const RigidObstacle& obstacle, const Vec3& p_L, const Gap& gap,
                                 const ContactReference& last);
 
 /// \param gap   measure_gap() of a point.
 /// \param last  contact reference of the point.
 /// \returns whether the point lies in the bone and the closest normal differs by more than 120
-///   degrees from the reference normal. Outside the bone the closest normal may turn freely: across
-///   a groove one wall follows the other.
+///   degrees from the reference normal. Outside the bone such a change is no tunneling: where a
+///   point crosses a groove, the closest surface changes from one wall to the other.
 [[nodiscard]] bool is_at_far_side(const RigidObstacle& obstacle, const Gap& gap,
                                   const ContactReference& last);
 

@@ -4,12 +4,12 @@
 ///
 /// The weight functions M_a are the dual basis of the shape functions (\cite wohlmuth2000; \cite
 /// popp2012, section 3.2): integral of M_a N_b = 0 for a != b on a flat face with parallel sides,
-/// and they sum to one. The weighted gap of a node is then its own gap wherever the gap varies
-/// linearly on the faces around it; only curvature is averaged. On quadratic faces the
-/// shape functions of the corners have an integral of zero or less. On such faces every M_a is
-/// therefore dual to the linear hat functions on the division of the face into triangles
-/// (\cite puso2008). On quad8 this holds approximately: the
-/// functions of the center are divided between the mid-edge nodes.
+/// and they sum to one. The weighted gap of a node is then the gap at the node wherever the gap
+/// varies linearly on the faces around it; only curvature is averaged. On quadratic faces the shape
+/// functions of the corners have an integral of zero or less. On such faces every M_a is therefore
+/// dual to the linear hat functions on the division of the face into triangles (\cite puso2008). On
+/// quad8 this holds approximately: the functions of the center are divided between the mid-edge
+/// nodes.
 #pragma once
 
 #include <lefort/contact/face_quadrature.h>

@@ -1,5 +1,5 @@
 /// \file
-/// Splits a closed surface into bodies: outer shells with their cavities. For this layer.
+/// Splits a closed surface into bodies: outer shells with their cavities.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>

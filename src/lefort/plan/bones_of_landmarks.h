@@ -18,8 +18,8 @@ namespace lefort::plan {
 ///
 /// \param landmarks_L  before surgery.
 /// \param cut          the bones before they move.
-/// \returns one entry per landmark: the number of the segment; the number of segments for the
-///   remainder; nothing for landmarks of the skin and landmarks that are not on bone.
+/// \returns one entry per landmark: the index of the segment; for the remainder, the number of
+///   segments; nothing for landmarks of the skin and landmarks that are not on bone.
 [[nodiscard]] std::vector<std::optional<std::size_t>> bones_of_landmarks(
     std::span<const Landmark> landmarks_L, const CutSegments& cut);
 

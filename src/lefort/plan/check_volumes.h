@@ -1,5 +1,5 @@
 /// \file
-/// Checks that the volumes of the parts of a cut bone add up. For this layer.
+/// Checks that the volumes of the parts of a cut bone add up. Used in this layer only.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -1,5 +1,5 @@
 /// \file
-/// The solids by which an osteotomy cuts bone. For this layer.
+/// The solids by which an osteotomy cuts bone. Used in this layer only.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -33,7 +33,7 @@ inline constexpr double kMaxKerf_mm = 5.0;
 
 /// \param osteotomy  checked by check_osteotomy(), not of sheets.
 /// \param box        bounds the solid.
-/// \param grow_mm    outward offset of the faces, >= 0.
+/// \param grow_mm    outward offset of the faces [mm], >= 0.
 /// \returns the solid within the cuts, a closed surface; kMeshingFailed or kPlanInvalid if the cuts
 ///   do not enclose one.
 [[nodiscard]] Result<geometry::TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box,
@@ -41,7 +41,8 @@ inline constexpr double kMaxKerf_mm = 5.0;
 
 /// \param osteotomy     of sheets.
 /// \param thickness_mm  of each slab, > 0.
-/// \returns the union of the slabs behind the bounded planes, or kMeshingFailed.
+/// \returns the union of the slabs behind the bounded planes, seen from the segment; or
+///   kMeshingFailed.
 [[nodiscard]] Result<geometry::TriangleMesh> sheet_solid(const Osteotomy& osteotomy,
                                                          double thickness_mm);
 

@@ -57,8 +57,8 @@ struct LandmarkKind {
 /// left, or x if there is no pair.
 ///
 /// If right and left were exchanged, this axis would point to the patient's right, and the superior
-/// direction, computed from it and the anterior direction, would point down. The sides in the names
-/// are therefore compared with the frame L, whose x axis points to the patient's left.
+/// direction, computed from it and the anterior direction, would point to inferior. The sides in
+/// the names are therefore compared with the frame L, whose x axis points to the patient's left.
 ///
 /// \param landmarks  of one head.
 /// \returns a unit vector; or kPlanInvalid, with the names of the landmarks, if

@@ -22,7 +22,7 @@ namespace lefort::plan {
 ///
 /// \param landmarks     before surgery; those without a target are not used.
 /// \param targets       three or more.
-/// \param tolerance_mm  largest distance of a moved landmark from its target.
+/// \param tolerance_mm  max distance of a moved landmark from its target.
 /// \returns the keyframe, or kPlanInvalid if
 ///   - a target has no landmark, or the targets do not determine the motion (see
 ///     geometry/fit_rigid.h);

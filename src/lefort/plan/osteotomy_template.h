@@ -1,8 +1,8 @@
 /// \file
 /// Standard osteotomies, positioned by landmarks. Described in docs/guide/osteotomies.md.
 ///
-/// They consist of planes, so they only approximate surgical osteotomy lines, and do not know tooth
-/// roots or nerves: a starting point for planning, not a cutting guide.
+/// They consist of planes, so they only approximate surgical osteotomy lines, and do not consider
+/// tooth roots or nerves: a starting point for planning, not a cutting guide.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -26,7 +26,8 @@ namespace lefort::plan {
 
 /// Distances of the planes from the landmarks.
 struct TemplateOptions {
-  /// Le Fort I: above ANS, parallel to the palate. Usually above the tooth roots; not checked.
+  /// Le Fort I: of the plane parallel to the palate, above ANS. Usually above the tooth roots; not
+  /// checked.
   double above_palate_mm = 5.0;
   /// Le Fort I to III: of the posterior plane at the pterygomaxillary junction, posterior to PNS.
   double behind_palate_mm = 0.0;
@@ -45,9 +46,9 @@ struct TemplateOptions {
 /// \param segment    name of the segment.
 /// \param landmarks  at least those that OsteotomyTemplate lists for the kind.
 /// \param options    distances from the landmarks.
-/// \returns the osteotomy; or kPlanInvalid if a landmark is missing, two landmarks coincide, or
-///   right and left, or anterior and posterior landmarks are exchanged (see patient_left_axis()).
-///   The message names the landmarks.
+/// \returns the osteotomy; or kPlanInvalid if a landmark is missing, two landmarks are less than
+///   1 mm apart, the landmarks do not determine the directions, or right and left, or anterior and
+///   posterior landmarks are exchanged (see patient_left_axis()).
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});

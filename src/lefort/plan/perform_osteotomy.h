@@ -41,7 +41,7 @@ struct OsteotomyResult {
 /// \returns both parts, or
 ///   - kPlanInvalid      the osteotomy has no plane or curve, or one that is not finite, has no
 ///     direction, or crosses itself; bounded planes are combined with other cuts; the kerf is
-///     negative or above 5 mm;
+///     negative or above 5 mm; an anchor point is not finite;
 ///   - kInvalidArgument  an option lies outside its range;
 ///   - kMeshInvalid      the skull is empty or open;
 ///   - kCutMissesBone    no bone (or only fragments) lies inside the cut, or none outside; a
@@ -49,8 +49,8 @@ struct OsteotomyResult {
 ///     of `min_piece_ml` within the cut; the kerf removes all of the remainder;
 ///   - kMeshingFailed    the surface crosses itself along the cut, or volumes do not add up;
 ///   - kCancelled        `progress` requested a stop.
-/// \note segment + remainder + kerf equal the volume of the skull within 0.1 % of it and within 1 %
-///   of the smallest of them.
+/// \note segment + remainder + kerf equal the volume of the skull within 0.1 % of the skull and
+///   within 1 % of the smallest of these three.
 [[nodiscard]] Result<OsteotomyResult> perform_osteotomy(const geometry::TriangleMesh& skull_L,
                                                         const Osteotomy& osteotomy,
                                                         const OsteotomyOptions& options = {},

@@ -36,7 +36,7 @@ struct CutPlane {
 /// A closed curve extruded along a direction; the segment lies inside.
 struct CutCurve {
   std::vector<Vec3> points_L;  ///< Three or more, in order; the last is joined to the first.
-  Vec3 direction_L;            ///< Into the bone; not zero. The curve is moved along it and cuts.
+  Vec3 direction_L;            ///< Into the bone; not zero. The curve is extruded along it.
   /// Depth of the cut, from the first point of the curve along the direction; none: through all
   /// bone. In the opposite direction, the cut is unbounded.
   std::optional<double> depth_mm = std::nullopt;
@@ -49,12 +49,12 @@ struct CutRegion {
 };
 
 /// The segment is the bone within `planes` and `curves`, for example the midface anterior to a
-/// coronal plane and below an axial one, together with the bone within any one of
+/// coronal plane and inferior to an axial one, together with the bone within any one of
 /// `additional_regions`.
 ///
 /// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded
-/// planes or additional regions. The bone on the side of their normals is the segment. It must not
-/// be connected to the remainder beyond their edges.
+/// planes or additional regions. The bone on the side of their normals is the segment. The segment
+/// must not be connected to the remainder beyond the edges of the planes.
 struct Osteotomy {
   std::string segment;  ///< Name of the segment.
   std::vector<CutPlane> planes;
@@ -63,9 +63,9 @@ struct Osteotomy {
   /// If not empty, the segment consists of the pieces on which these points lie; other pieces
   /// within the cut stay with the remainder.
   std::vector<Vec3> anchor_points_L{};
-  /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; >= 0.
+  /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; 0 to 5.
   double kerf_mm = 0.0;
-  /// The procedure, if it is known. It decides how far tissue is elevated (elevation_zone.h).
+  /// The procedure, if it is known; the elevation margins depend on it (elevation_zone.h).
   std::optional<OsteotomyTemplate> procedure = std::nullopt;
 };
 

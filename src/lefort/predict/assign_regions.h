@@ -14,8 +14,8 @@
 namespace lefort::predict {
 
 /// Assigns regions::kMuscle to elements of regions::kDeepTissue whose centroid lies in muscle:
-/// where the label, interpolated between voxel centers, is at least one half. Other regions, such
-/// as skin, stay.
+/// where the mask of that label, interpolated between voxel centers, is at least one half. Other
+/// regions, such as skin, stay.
 ///
 /// \param tissue  mesh of the tissue.
 /// \param labels  of the scan from which the tissue was meshed.
@@ -23,8 +23,8 @@ namespace lefort::predict {
                                              const anatomy::LabelMap& labels);
 
 /// Assigns regions::kMucosa to elements of regions::kDeepTissue whose centroid lies within
-/// `thickness_mm` of a voxel of airway or sinus. Other regions stay: skin, at the nostrils, and
-/// muscle.
+/// `thickness_mm` of a voxel of airway or sinus. Other regions stay, such as muscle, and skin at
+/// the nostrils.
 ///
 /// \param tissue        mesh of the tissue.
 /// \param labels        of the scan from which the tissue was meshed.
@@ -42,7 +42,7 @@ struct RegionAndSize {
 [[nodiscard]] std::vector<RegionAndSize> regions_and_sizes(const mesh::VolumeMesh& tissue,
                                                            const TissueOptions& options);
 
-/// "inside 79719 elements, 512.3 ml; muscle 1204 elements, 9.8 ml"
+/// \returns a text such as "inside 79719 elements, 512.3 ml; muscle 1204 elements, 9.8 ml".
 [[nodiscard]] std::string describe_regions(const mesh::VolumeMesh& tissue,
                                            const TissueOptions& options);
 

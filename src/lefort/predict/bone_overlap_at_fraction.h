@@ -30,7 +30,7 @@ struct MovingBone {
 struct BoneOverlapAtFraction {
   std::string first, second;  ///< Names; kRemainder for the remainder.
   double path_fraction = 0.0;
-  contact::BoneOverlap overlap;  ///< Depths of vertices of the first bone.
+  contact::BoneOverlap overlap;
 };
 
 /// Overlap of two bones, both posed at `path_fraction`.

@@ -13,8 +13,8 @@ namespace lefort::predict {
 enum class BoundaryLabel : std::uint8_t {
   kNone = 0,  ///< Not painted: the boundary rules decide.
   kFixed = 1,
-  kFree = 2,         ///< Not fixed; the segment may push it.
-  kWithSegment = 3,  ///< Moves with the segment, even if not on it.
+  kFree = 2,         ///< Not fixed; a segment may push it.
+  kWithSegment = 3,  ///< Moves with the closest segment, even if not on it.
   kContact = 4,      ///< Free; stationary bone pushes it too.
   kBonded = 5,       ///< Moves with the closest bone.
   kElevated = 6,     ///< Elastic layer on the closest bone.
@@ -42,8 +42,8 @@ inline constexpr std::array<BoundaryLabelStyle, 7> kBoundaryLabelStyles{{
 /// One label per voxel of the scan.
 using BoundaryLabelMap = image::Volume<BoundaryLabel>;
 
-/// Largest distance from a painted voxel's center at which it applies: half the diagonal of a voxel
-/// [mm].
+/// Max distance from the center of a painted voxel at which its label applies: half the diagonal of
+/// a voxel [mm].
 [[nodiscard]] double max_paint_distance_mm(const image::Grid& grid);
 
 /// \returns the label of the painted voxel whose center is closest to `p_L`, within

@@ -16,7 +16,7 @@ namespace lefort::predict {
 
 /// Limits of an acceptable plan.
 struct PlanLimits {
-  double overlap_mm = 0.5;        ///< Max depth of bone in bone: a burr removes that.
+  double overlap_mm = 0.5;        ///< Max depth of a bone overlap: a burr can remove this.
   double gap_mm = 10.0;           ///< Max distance of cut faces from other bone.
   double support_mm = 1.0;        ///< Bone within this distance supports a cut face.
   double support_fraction = 0.1;  ///< Min supported fraction of a segment's cut faces.
@@ -57,13 +57,13 @@ struct PlanCheck {
 /// Moves all segments together along their paths and checks the limits.
 ///
 /// Overlap is measured at every step of the path with the most steps and at every keyframe. Cut
-/// faces are the parts of a segment's surface within a kerf of other bone at rest. Gap and support
-/// of a distracted segment are reported, but are not findings: new bone grows there.
+/// faces are the parts of a segment's surface within the kerf of other bone at rest. Gap and
+/// support of a distracted segment are reported, but are not findings: new bone grows there.
 ///
 /// \param cut       result of cut_segments().
 /// \param planned   the plan that was cut; paths pass check_path().
 /// \param limits    of an acceptable plan.
-/// \param field     resolution of overlap; depths beyond the band count as the band's width.
+/// \param field     resolution of overlap; the band limits the depths.
 /// \param progress  may stop the check.
 /// \returns the measurements and findings; or what field::build_distance_field() returns, or
 ///   kCancelled.

@@ -35,12 +35,12 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// \param paths               one for each segment.
 /// \param segments            in the order of `paths`.
 /// \param distance_queries_B  of the segments.
-/// \param boundary            its interface and contact tolerance.
+/// \param boundary            its interface and contact snap distance are used.
 /// \returns nothing, or
 ///   - kMeshInvalid      a surface is open: it has no inside;
 ///   - kInvalidArgument  boundary.contact_snap_mm is not less than a query's maximum distance;
-///   - kStepBeyondBand   a segment moves further than the maximum distance of its query between two
-///     neighbors among the steps and keyframes of all paths.
+///   - kStepBeyondBand   between two neighbors among the steps and keyframes of all paths, a
+///     segment moves by the maximum distance of its query or more.
 [[nodiscard]] Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                              const std::vector<ContactBone>& segments,
                                              const DistanceQueries& distance_queries_B,

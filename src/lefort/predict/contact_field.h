@@ -8,14 +8,15 @@
 
 namespace lefort::predict {
 
-/// Chooses the band of a field if `options` do not. Tissue must stay within the band: it is at
-/// least kContactBand_mm, plus half an element for the depth of the mesh in the bone at rest, plus
-/// half of the longest increment (load_levels.h); and at least the default band of the field.
+/// Chooses the band of a field if `options` do not. Tissue must stay within the band. The band is
+/// therefore 3 mm, plus half an element for the depth of the mesh in the bone at rest, plus half of
+/// the longest increment (load_levels.h), but at most 0.4 of the longest side of the bone's box.
 ///
 /// \param options    of the plan.
 /// \param surface_B  of the bone.
 /// \param tissue     its element size is used.
-/// \returns the options with band_mm, unless band_mm or side_mm was given.
+/// \returns the options with band_mm; unchanged if band_mm or side_mm was given, or if the default
+///   band is not narrower.
 [[nodiscard]] field::DistanceFieldOptions contact_field_options(
     field::DistanceFieldOptions options, const geometry::TriangleMesh& surface_B,
     const TissueOptions& tissue);

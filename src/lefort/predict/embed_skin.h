@@ -33,7 +33,7 @@ struct SkinEmbedding {
                                        const mesh::VolumeMesh& tissue, double near_mm);
 
 /// Distance from the tissue mesh within which a skin vertex belongs to it: twice the sum of the
-/// mesh's distance from its surface and the inset at the scan boundary (tissue_domain.h).
+/// tolerance of the mesh (mesh_tissue.h) and the inset at the scan boundary (tissue_domain.h).
 ///
 /// \param options     its element size is used.
 /// \param spacing_mm  of the scan.

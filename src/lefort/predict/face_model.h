@@ -23,11 +23,11 @@ struct ContactBone {
 };
 
 struct FaceModel {
-  mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
+  mesh::VolumeMesh tissue;            ///< With the sets of tissue_boundary.h.
   std::vector<ContactBone> segments;  ///< One or more, in the order of the plan.
   /// Needed if tissue slides on it, or if there is a set sets::kStationaryContact.
   std::optional<ContactBone> stationary_bone = std::nullopt;
-  /// Conditions of the tissue boundary. Empty: those of the sets alone.
+  /// Conditions of the tissue boundary. Empty: only the sets define conditions.
   InterfaceMap interface = {};
   LipSlit lips = {};
 };

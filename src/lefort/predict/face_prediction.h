@@ -17,7 +17,7 @@ namespace lefort::predict {
 /// One segment at a step.
 struct SegmentStep {
   RigidTransform X_LB;
-  contact::ContactStatistics contact;   ///< Of the tissue with the segment; zero if bonded.
+  contact::ContactStatistics contact;   ///< Of the tissue with the segment; zero with kBonded.
   contact::SupportStatistics supports;  ///< Of elevated and sliding tissue on it.
 };
 
@@ -29,13 +29,13 @@ struct PredictionStep {
   /// Of tissue with stationary bone; zero without such tissue.
   contact::ContactStatistics stationary_contact = {};
   contact::SupportStatistics stationary_supports = {};  ///< Of elevated and sliding tissue on it.
-  double min_J = 1.0;                      ///< Smallest Jacobian of an element; positive.
-  double residual_n = 0.0;                 ///< Norm of the residual, last iteration.
+  double min_J = 1.0;                                   ///< Min Jacobian of the elements; positive.
+  double residual_n = 0.0;                              ///< Norm of the residual, last iteration.
   double relative_residual = 0.0;          ///< To the residual reference (fem/assembly/assemble.h).
   std::vector<fem::LoadAttempt> attempts;  ///< Since the step before.
 
-  /// With all segments. Tissue that touches two segments counts for both; the 99th percentile is
-  /// the largest of the segments', an upper bound of that of all tissue in contact.
+  /// Contact with all segments. Tissue that touches two segments counts for both. The 99th
+  /// percentile is the max of the segments', an upper bound of that of all tissue in contact.
   [[nodiscard]] contact::ContactStatistics contact() const;
 
   /// Of all attempts.
@@ -62,8 +62,8 @@ struct FacePrediction {
   std::vector<PredictionStep> steps;              ///< Converged ones; all, unless it failed.
   std::optional<Error> failure;                   ///< Why the end of the path was not reached.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
-  /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is bonded
-  /// or the end of the path was not reached.
+  /// Of the nodes of set `contact` after the last step, for each segment; empty with kBonded, or if
+  /// the end of the path was not reached.
   std::vector<std::vector<contact::NodalContact>> nodal_contacts;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }

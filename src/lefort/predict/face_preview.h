@@ -21,12 +21,12 @@ namespace lefort::predict {
 struct PreviewModel {
   /// Tangent of the tissue at rest on its free components, lower triangle [N/mm].
   linear::SparseMatrix stiffness_n_per_mm;
-  std::vector<std::int32_t> first_row;  ///< The first of each node's three; -1 if fixed.
+  std::vector<std::int32_t> first_row;  ///< First of the three rows of each node; -1 if fixed.
 
-  /// A tissue point whose displacement in one direction follows a segment.
+  /// A support of a node in one direction: by a segment, by stationary bone or in a plane.
   struct Support {
     std::int32_t segment = 0;         ///< Its index, in the order of the plan; -1: stationary.
-    std::int32_t row = 0;             ///< The first of the three of its node.
+    std::int32_t row = 0;             ///< First of the three rows of its node.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
     Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone if unilateral.
     bool is_bilateral = false;        ///< Pulls too; bonded tissue has three of these.
@@ -34,7 +34,7 @@ struct PreviewModel {
     double motion_fraction = 1.0;     ///< Of the segment's motion that the support follows.
   };
   std::vector<Support> supports;
-  double support_n_per_mm = 0.0;  ///< Stiffness of a support.
+  double support_n_per_mm = 0.0;  ///< Stiffness of supports with n_per_mm = 0.
   std::int32_t segment_count = 1;
   SkinEmbedding skin;
 };
@@ -45,8 +45,9 @@ struct PreviewModel {
 /// \param boundary    its interface is used.
 /// \param spacing_mm  of the scan.
 /// \returns the model; or
-///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
-///   - kPlanInvalid      tissue is painted to slide on stationary bone;
+///   - kAnatomyMissing   no tissue lies on a segment, nothing is fixed, or no segment supports
+///     tissue;
+///   - kPlanInvalid      tissue is painted as contact, and the interface is not kClinical;
 ///   - kInvalidArgument  a material constant lies outside its range.
 [[nodiscard]] Result<PreviewModel> make_preview_model(const FaceModel& model,
                                                       const geometry::TriangleMesh& skin_L,
@@ -54,11 +55,12 @@ struct PreviewModel {
                                                       const BoundaryOptions& boundary,
                                                       const Vec3& spacing_mm);
 
-/// Small-strain elasticity with the tangent at rest. Tissue on a segment is pushed along the bone's
-/// normal at rest, slides, and lifts off where the bone retreats. Bonded tissue, and tissue painted
-/// to move with a segment, moves with the bone. Displacements are linear in the poses, and tissue
-/// meets only bone on which it lies at rest; the difference from a prediction therefore grows with
-/// the motion.
+/// Small-strain elasticity with the tangent at rest. With kContact a segment pushes the tissue on
+/// it along the normal of the bone at rest; the tissue slides, and lifts off where the bone
+/// retreats. With kClinical the interface map gives the elastic supports. Bonded tissue, and tissue
+/// painted to move with a segment, moves with the bone. Tissue touches only bone on which it lies
+/// at rest, and the lips do not touch each other. The difference from a prediction therefore grows
+/// with the motion.
 ///
 /// Thread-safe; calls run one at a time.
 class FacePreview {

@@ -31,7 +31,7 @@ struct JawEdges {
 /// \param labels      of the scan.
 /// \param first_x_mm  of the first column; the columns are 1 mm wide.
 /// \param count       of the columns.
-/// \param edges_z_mm   lowest and highest level; bone up to a crown's height beyond counts.
+/// \param edges_z_mm  lowest and highest level of the edges; bone up to 6 mm beyond counts.
 /// \returns y of the surface in each column, smoothed; a column without bone has that of the
 ///   closest one with bone; empty if no column has bone.
 [[nodiscard]] std::vector<double> anterior_surface_y_mm(const anatomy::LabelMap& labels,

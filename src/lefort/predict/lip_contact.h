@@ -7,7 +7,7 @@
 ///   e = n . (x_upper - x_lower)               opening
 ///   W = A/2 k_c e^2 if e < 0, else 0
 ///
-/// n is that at rest: the lips slide along it without resistance. After a slip s on a surface of
+/// n is that at rest: motion perpendicular to n meets no resistance. After a slip s on a surface of
 /// curvature kappa the opening is in error by about kappa s^2 / 2 (docs/theory/interface.md).
 /// Lips that slide on each other, with face-to-face contact: \cite kim2021.
 #pragma once
@@ -47,7 +47,7 @@ class LipContact final : public fem::ForceTerm {
 struct LipStatistics {
   double max_overlap_mm = 0.0;   ///< Of -e; 0 if there is none.
   double max_opening_mm = 0.0;   ///< Of e; 0 if there is none.
-  double max_slip_mm = 0.0;      ///< Along the surface.
+  double max_slip_mm = 0.0;      ///< Perpendicular to n.
   double closed_fraction = 1.0;  ///< Of the area: e <= kLipsClosed_mm.
 };
 inline constexpr double kLipsClosed_mm = 0.1;

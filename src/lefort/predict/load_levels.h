@@ -10,8 +10,8 @@
 
 namespace lefort::predict {
 
-/// A path fraction at which equilibrium is found. A keyframe is one too, so that no increment
-/// cuts a corner of the path.
+/// A path fraction at which equilibrium is found. Keyframes are levels too, so that no increment
+/// passes over a keyframe.
 struct LoadLevel {
   double path_fraction;
   bool is_step;  ///< The state there is a step of the prediction.
@@ -24,7 +24,7 @@ struct LoadLevel {
 [[nodiscard]] std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths,
                                                  int increments);
 
-/// Largest motion of a segment in one increment, as a fraction of the element size.
+/// Max motion of a segment in one increment, as a fraction of the element size.
 inline constexpr double kIncrementElementFraction = 0.25;
 
 /// Number of equal increments of a step. In one increment no vertex of a segment moves further
@@ -34,7 +34,7 @@ inline constexpr double kIncrementElementFraction = 0.25;
 /// \param tissue           its element size is used.
 /// \param paths            one for each segment.
 /// \param segments         in the order of `paths`.
-/// \param max_distance_mm  of the segments' distance queries, the smallest; > 0.
+/// \param max_distance_mm  minimum of those of the segments' distance queries, > 0.
 [[nodiscard]] int increments_of_step(const TissueOptions& tissue,
                                      const std::vector<geometry::RigidPath>& paths,
                                      const std::vector<ContactBone>& segments,

@@ -33,7 +33,7 @@ inline constexpr std::array<RegionName, 4> kNames{
     {{kDeepTissue, "inside"}, {kSkin, "skin"}, {kMucosa, "mucosa"}, {kMuscle, "muscle"}}};
 }  // namespace regions
 
-/// Smallest scaled Jacobian of a mesh with skin.
+/// Min scaled Jacobian of a mesh with skin.
 inline constexpr double kMinJacobian = 0.05;
 
 /// Meshes the domain with tetrahedra.
@@ -52,17 +52,17 @@ inline constexpr double kMinJacobian = 0.05;
 /// Meshes the domain with layers of wedges for skin (mesh/boundary_layer.h) on tetrahedra: the mesh
 /// has tetrahedra, pyramids and wedges.
 ///
-/// \param domain       region to mesh.
-/// \param skin_L       skin surface, see skin_faces().
-/// \param segment_L    as in make_tissue_domain().
-/// \param remainder_L  other bone, see skin_faces().
-/// \param options      element sizes, margin and skin.
-/// \param contact_snap_mm   see skin_faces().
-/// \param progress     may stop the meshing.
+/// \param domain           region to mesh.
+/// \param skin_L           skin surface, see skin_faces().
+/// \param segment_L        as in make_tissue_domain().
+/// \param remainder_L      other bone, see skin_faces().
+/// \param options          element sizes, margin and skin.
+/// \param contact_snap_mm  see skin_faces().
+/// \param progress         may stop the meshing.
 /// \returns a mesh without sets and without elements below kMinJacobian; or as mesh::generate_tets
 ///   and mesh::add_boundary_layer, or
 ///   - kAnatomyMissing  no skin bounds the tissue;
-///   - kMeshingFailed   an element is worse; the message has its position.
+///   - kMeshingFailed   an element is below kMinJacobian; the message has its position.
 /// \pre options.skin
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue_and_skin(
     const TissueDomain& domain, const geometry::TriangleMesh& skin_L,

@@ -20,11 +20,11 @@ struct LipLandmarks {
   std::optional<Vec3> left_L;     ///< Ch-L.
 };
 
-/// What the height of the fissure was found by.
+/// What determines the height of the fissure.
 enum class FissureSource {
   kLandmarks,
   kCrease,  ///< A crease of the skin.
-  kJaws,    ///< The middle between the anterior edges of the jaws, without a crease.
+  kJaws,    ///< Without a crease: the middle between the anterior edges of the jaws.
 };
 
 [[nodiscard]] constexpr const char* name_of(FissureSource source) {
@@ -52,8 +52,8 @@ struct OralFissure {
   std::vector<Column> columns;
   double right_x_mm = 0.0, left_x_mm = 0.0;  ///< Of the commissures.
   double edge_z_mm = 0.0;                    ///< Level of the edges of the anterior teeth.
-  double crease_depth_mm = 0.0;              ///< Median over the middle.
-  /// Fraction of the width with a crease; 1 with the landmarks Stm, Ch-R and Ch-L.
+  double crease_depth_mm = 0.0;              ///< Median over the middle 24 mm.
+  /// Fraction of the width with a crease; 1 with the landmarks Stm, Ch-R and Ch-L; 0 with kJaws.
   double confidence = 0.0;
 
   [[nodiscard]] double width_mm() const { return left_x_mm - right_x_mm; }

@@ -38,8 +38,8 @@ struct PredictionOptions {
 struct Restart {
   std::vector<PredictionStep> steps;  ///< Converged.
   fem::LoadStepper::Checkpoint stepper;
-  /// One for each segment, none if tissue is bonded; then that of stationary bone, if tissue slides
-  /// on it.
+  /// One for each segment, none with kBonded; then that of stationary bone, if there is a set
+  /// sets::kStationaryContact. Empty with weighted gaps.
   std::vector<contact::ContactTerm::Checkpoint> contacts;
 };
 
@@ -53,9 +53,9 @@ struct PredictionWatch {
 /// Moves all segments together along their paths and finds equilibrium at each of the
 /// geometry::steps_of() steps; each segment passes through all its keyframes.
 ///
-/// A step is divided into increments, see increments_of_step(). The increments decide the result,
-/// not the steps.
-/// \pre model.stationary_bone, if the tissue has a set sets::kStationaryContact.
+/// A step is divided into increments, see increments_of_step(). The result depends on the
+/// increments, not on the steps.
+/// \pre model.stationary_bone, if needed (FaceModel::stationary_bone).
 /// \param model     tissue at rest with its sets, and the bones.
 /// \param paths     one for each of the model's segments.
 /// \param options   materials, boundary, contact and solver.
@@ -65,7 +65,7 @@ struct PredictionWatch {
 ///   have the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
 ///   - kPlanInvalid      a path cannot be followed (geometry::check_path);
-///   - what check_query_range() and check_stationary_bone() return;
+///   - what segment_distance_queries(), check_query_range() and check_stationary_bone() return;
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue mesh is too fine for the memory of this machine;

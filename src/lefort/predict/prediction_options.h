@@ -14,7 +14,7 @@ namespace lefort::predict {
 /// How soft tissue is attached to bone (docs/theory/interface.md).
 enum class TissueInterface {
   kClinical,  ///< Bonded, elevated or sliding, by anatomy and osteotomy (interface_map.h).
-  kBonded,    ///< Tissue on a mobilized segment moves with it; elevated tissue is not attached.
+  kBonded,    ///< Tissue moves with its bone; on stationary bone near a segment it is not attached.
   kContact,   ///< As kBonded, but a segment only pushes tissue, without friction
               ///< (\cite lefort-paper).
 };
@@ -29,7 +29,7 @@ enum class OuterBoundary {
 
 /// What happens between upper and lower lip of a closed mouth.
 enum class Lips {
-  kSeparate,  ///< They touch, slide and open (separate_lips.h).
+  kSeparate,  ///< They can touch, slide and open (separate_lips.h).
   kJoined,    ///< They are one body.
 };
 
@@ -133,16 +133,16 @@ struct ContactOptions {
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The factor in k_c. With a penetration tolerance it is larger: the augmented Lagrangian then
-/// needs fewer Newton iterations, 370 instead of 631 on one path
-/// (docs/studies/contact-on-a-real-head.md). Weighted gaps have the stiffness of
+/// The factor in k_c: that of `contact`, else 10, or 160 with a penetration tolerance. With 160 the
+/// augmented Lagrangian needs fewer Newton iterations, 370 instead of 631 on one path
+/// (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the stiffness of
 /// contact::mortar_stiffness_mpa_per_mm().
 [[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);
 
 struct SolverOptions {
-  double relative_tolerance = 1e-6;
-  int max_iterations = 120;  ///< Of Newton; tissue sliding off convex bone has taken 68.
-  double min_increment_ratio = 1.0 / 64.0;  ///< Min size of a halved increment, as a fraction.
+  double relative_tolerance = 1e-6;  ///< Of the residual, relative to the residual reference.
+  int max_iterations = 120;          ///< Of Newton; tissue sliding off convex bone has taken 68.
+  double min_increment_ratio = 1.0 / 64.0;  ///< Min over first increment; failed ones are halved.
 };
 
 }  // namespace lefort::predict

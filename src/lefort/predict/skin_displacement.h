@@ -10,7 +10,7 @@ namespace lefort::predict {
 
 struct SkinDisplacement {
   double max_mm = 0.0;              ///< 0 without vertices.
-  double mean_over_moved_mm = 0.0;  ///< Mean over vertices displaced by more than 0.5 mm, else 0.
+  double mean_over_moved_mm = 0.0;  ///< Over vertices displaced by more than 0.5 mm; 0 if none.
 };
 
 /// \param displacement_mm  of every vertex of the skin.

@@ -13,8 +13,8 @@ namespace lefort::predict {
 [[nodiscard]] fem::NewtonOptions newton_options(const SolverOptions& solver,
                                                 const TissueOptions& tissue);
 
-/// \param solver     smallest fraction of an increment.
-/// \param increment  path fraction, first and largest.
+/// \param solver     its min_increment_ratio is used.
+/// \param increment  first and max increment of the path fraction.
 [[nodiscard]] fem::LoadStepOptions load_step_options(const SolverOptions& solver, double increment);
 
 }  // namespace lefort::predict

@@ -1,5 +1,5 @@
 /// \file
-/// Finds which parts of the tissue boundary are fixed, in contact with a segment, or free.
+/// Finds the parts of the tissue boundary by anatomy, and their boundary conditions.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -19,17 +19,17 @@ namespace lefort::predict {
 
 /// Names of the node sets and face sets that find_tissue_boundary() makes.
 namespace sets {
-inline constexpr const char* kMobilizedSegment = "mobilized_segment";  ///< On the segment.
+inline constexpr const char* kMobilizedSegment = "mobilized_segment";  ///< On a segment.
 inline constexpr const char* kStationaryBone = "stationary_bone";      ///< On stationary bone.
-inline constexpr const char* kCut = "cut";                 ///< Where the region was cut out.
+inline constexpr const char* kCut = "cut";                 ///< Where the meshed region ends.
 inline constexpr const char* kScanBoundary = "scan_edge";  ///< Where the scan ends.
 inline constexpr const char* kBrain = "brain";             ///< At the cranial cavity.
 inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
 inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
 inline constexpr const char* kBonded = "bonded";    ///< Nodes that move with a segment.
-inline constexpr const char* kContact = "contact";  ///< Faces that may meet a segment.
-/// Faces that may meet stationary bone; missing if there are none.
+inline constexpr const char* kContact = "contact";  ///< Faces that may touch a segment.
+/// Faces that may touch stationary bone; missing if there are none.
 inline constexpr const char* kStationaryContact = "still_contact";
 }  // namespace sets
 
@@ -49,13 +49,13 @@ struct TissueBoundary {
 /// \param bones    segments and stationary bone at rest.
 /// \param options  contact snap distance, interface and boundaries.
 /// \param painted  may be null. Its labels override the rules; each label gets a set of its nodes
-///   (kBoundaryLabelStyles). The sets of the geometry do not depend on it.
+///   (kBoundaryLabelStyles). The sets of boundary_rules() do not depend on it.
 [[nodiscard]] TissueBoundary find_tissue_boundary(
     mesh::VolumeMesh tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
     const geometry::TriangleMesh& skin_L, const InterfaceBones& bones,
     const BoundaryOptions& options, const BoundaryLabelMap* painted = nullptr);
 
-/// Nodes on the segment that are not fixed, ascending. \pre `tissue` has the sets.
+/// Nodes on a segment that are not fixed, ascending. \pre `tissue` has the sets.
 [[nodiscard]] std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue);
 
 /// Nodes that move with a segment, ascending: the set sets::kBonded. A mesh without that set has
@@ -64,14 +64,14 @@ struct TissueBoundary {
                                                            TissueInterface interface);
 
 /// \param tissue  with the sets of find_tissue_boundary().
-/// \returns the smallest distance between tissue on a segment and the scan boundary [mm]; nothing
-///   if the scan does not end within the mesh.
+/// \returns the min distance between nodes on a segment and nodes at the scan boundary [mm];
+///   nothing if the scan does not end within the mesh, or no tissue lies on a segment.
 [[nodiscard]] std::optional<double> distance_to_scan_boundary(const mesh::VolumeMesh& tissue);
 
 /// Boundary nodes that one rule takes, by boundary condition.
 struct BoundaryRuleStatistics {
   std::string set;                  ///< Name of the set of nodes that the rule takes.
-  std::optional<double> within_mm;  ///< Distance of taken nodes; without, all the rest.
+  std::optional<double> within_mm;  ///< Max distance of these nodes; empty: all other nodes.
   Index fixed = 0;
   Index with_segment = 0;
   Index free = 0;     ///< Any other condition (interface_map.h).
@@ -82,7 +82,7 @@ struct BoundaryRuleStatistics {
   } areas;
 };
 
-/// A set and the distance within which nodes belong to it; without a distance, all the rest.
+/// A set and the distance within which nodes belong to it; without a distance, all other nodes.
 struct RuleDistance {
   const char* set;
   std::optional<double> within_mm;

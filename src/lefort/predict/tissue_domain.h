@@ -20,7 +20,7 @@ inline constexpr double kScanBoundaryInset_voxels = 0.5;
 /// Soft tissue in a box around the mobilized segment.
 struct TissueDomain {
   image::ScalarVolume soft_tissue_level;           ///< anatomy/tissue_levels.h.
-  Box3 box_L;                                      ///< The segment's box and the margin around it.
+  Box3 box_L;                                      ///< Box of the segments with the margin.
   std::vector<mesh::HalfSpace> cuts_L;             ///< Sides of the box.
   std::vector<mesh::HalfSpace> scan_boundaries_L;  ///< Sides of the scan.
 
@@ -35,7 +35,7 @@ struct TissueDomain {
 };
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.
-/// \param scan_grid          of the scan itself.
+/// \param scan_grid          of the scan; the grid of `soft_tissue_level` may be larger.
 /// \param segment_L          the segments as one mesh (plan::append).
 /// \param options            its margin is used.
 [[nodiscard]] TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,

@@ -1,5 +1,5 @@
 /// \file
-/// The regions that a plan has materials for: whether the labels have them, and assigning them.
+/// Checks and assigns the regions of tissue for which a plan has materials.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -16,8 +16,8 @@ namespace lefort::predict {
 [[nodiscard]] Result<void> check_muscle_labels(const TissueOptions& options,
                                                const anatomy::LabelMap& labels);
 
-/// Assigns muscle, then mucosa, if the options have materials for them: muscle that somebody
-/// painted takes precedence over the rule that finds mucosa.
+/// Assigns muscle, then mucosa, if the options have materials for them: labels of muscle take
+/// precedence over the rule that finds mucosa.
 ///
 /// \param tissue    whose skin is assigned already.
 /// \param options   of the plan's tissue.

@@ -14,12 +14,12 @@
 
 namespace lefort::predict {
 
-/// The terms with all segments and with stationary bone, where tissue slides on them.
+/// One term for all segments, and one for stationary bone; empty where tissue touches neither.
 class WeightedContacts {
  public:
   std::optional<contact::MortarContactTerm> on_segments, on_stationary;
 
-  /// \param tissue    must outlive the object; its set `contact` touches the segments.
+  /// \param tissue    must outlive the object; the faces of its set `contact` touch the segments.
   /// \param segments  at their poses in the reference configuration.
   void add_segments(const mesh::VolumeMesh& tissue, std::vector<contact::RigidObstacle> segments,
                     const contact::MortarContactTerm::Options& options);
@@ -36,14 +36,14 @@ class WeightedContacts {
 
   /// \param u   displacements of all nodes [mm].
   /// \param du  their step [mm].
-  /// \returns the fraction of the step by which no point passes through a bone.
+  /// \returns the max fraction of the step by which no point passes through a bone.
   [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const;
 
-  /// Finds equilibrium by contact::solve_active_set(). If a bone would pass through tissue on the
-  /// way from the last equilibrium to the start, that tissue starts with the motion of the bone;
-  /// if that does not help, the start is rejected.
+  /// Finds equilibrium by contact::solve_active_set(). If a segment would pass through tissue on
+  /// the way from the last equilibrium to the start, that tissue starts with the motion of the
+  /// segment. If a bone would still pass through tissue, the outcome is kInadmissibleStart.
   /// \param from_X_LB       poses in the last equilibrium.
-  /// \param u_last          its displacements [mm].
+  /// \param u_last          displacements in the last equilibrium [mm].
   /// \param X_LB            present poses, which are those of the terms.
   /// \param start           displacements of all nodes [mm].
   /// \param max_iterations  of the unilateral solve.
@@ -58,7 +58,7 @@ class WeightedContacts {
   /// `to` and the present poses.
   [[nodiscard]] bool allows_motion(const std::vector<RigidTransform>& from_X_LB,
                                    const std::vector<Vec3>& last_L, const VectorX& to) const;
-  /// Displacements `to`, but tissue through which a segment would pass moves with it.
+  /// Displacements `to`, but tissue through which a segment would pass moves with this segment.
   [[nodiscard]] VectorX carried(const std::vector<RigidTransform>& from_X_LB,
                                 const std::vector<Vec3>& last_L, const VectorX& to) const;
 

@@ -9,7 +9,7 @@
 
 namespace lefort::plan::internal {
 
-/// Heights and widths in F.
+/// Heights and widths in F (LandmarkSearch::X_FL).
 struct FacialCavities {
   double orbit_low_mm, orbit_high_mm;       ///< z of the lowest and highest row of the orbits.
   std::array<double, 2> orbit_center_x_mm;  ///< Right and left.
@@ -20,8 +20,9 @@ struct FacialCavities {
 
 /// A point belongs to a cavity if bone on both sides of it, in its row, lies at least 6 mm (orbits)
 /// or 4 mm (aperture) anterior to it: gray-scale hole filling row by row \cite soille2003. The
-/// orbits are the longest sequence of rows with such points on both sides of the mid-sagittal
-/// plane, the aperture that with such points in the middle below the orbits.
+/// orbits are the sequence of rows with the most such points on both sides of the mid-sagittal
+/// plane, the aperture that with the most such points in the middle below the centers of the
+/// orbits.
 ///
 /// \param front  skull in F, columns along y.
 /// \returns nothing if there are no orbits of at least 15 mm height.

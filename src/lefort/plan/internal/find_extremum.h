@@ -12,11 +12,12 @@ namespace lefort::plan::internal {
 
 struct Extremum {
   Vec3 point;        ///< One of the points [mm].
-  double spread_mm;  ///< RMS distance of the points within one voxel of the extreme value.
+  double spread_mm;  ///< RMS distance of the points within a voxel from the weighted mean.
 };
 
-/// The point that is furthest along a direction: the weighted mean of the points within a quarter
-/// of a voxel of the extreme value, and within 10 mm of the first extreme point.
+/// The point that is furthest along a direction, robust to noise: of the points within a voxel of
+/// the extreme value, the one closest to the weighted mean of the points within a quarter of a
+/// voxel. Only points within 10 mm of the first extreme point count.
 ///
 /// \param points     candidates; may be empty.
 /// \param direction  unit length.

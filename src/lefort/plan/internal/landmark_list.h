@@ -11,8 +11,8 @@
 
 namespace lefort::plan::internal {
 
-/// The planes at which the scan truncates the patient: sides of the bounding box of the surfaces
-/// that contain a flat area.
+/// The planes at which the scan truncates the patient: sides of the bounding box of the skin (else
+/// of the skull) in which the surface has a flat area.
 struct ScanEnds {
   Box3 box_L;
   std::array<bool, 3> is_low_cut{}, is_high_cut{};
@@ -29,14 +29,15 @@ class LandmarkList {
   LandmarkList(const RigidTransform& X_FL, const ScanEnds& ends, double voxel_mm)
       : X_FL_(X_FL), ends_(ends), voxel_mm_(voxel_mm) {}
 
-  /// Adds a landmark, unless it lies where the scan ends, or adds the reason why there is none.
+  /// Adds a landmark. If it was not found, or lies where the scan ends, adds the reason instead.
   ///
   /// \param rule_mm  error of the rule: distance of the extremum from the anatomical point.
   void add(const std::string& name, const std::optional<Extremum>& found_F, double rule_mm,
            const std::string& reason);
   void miss(const std::string& name, const std::string& reason);
 
-  [[nodiscard]] std::optional<Vec3> at(const std::string& name) const;  ///< In F.
+  /// The position in F; nothing if it was not found.
+  [[nodiscard]] std::optional<Vec3> at(const std::string& name) const;
   [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
   [[nodiscard]] const RigidTransform& X_FL() const { return X_FL_; }
   [[nodiscard]] const std::vector<FoundLandmark>& found() const { return found_; }  ///< In L.
