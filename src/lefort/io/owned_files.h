@@ -15,8 +15,8 @@ namespace lefort::io {
 /// it lists. Empty if there is no check.json.
 ///
 /// \param folder  the output folder.
-/// \returns paths, or kFileUnwritable if check.json is of another program. Listed names that a
-///   check never writes are omitted.
+/// \returns paths, or kFileUnwritable if no check wrote check.json. Listed names that a check
+///   never writes are omitted.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> earlier_check_files(
     const std::filesystem::path& folder);
 
