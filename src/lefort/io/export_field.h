@@ -43,8 +43,8 @@ struct FieldExport {
 /// \param progress  stage, progress, requests to stop.
 /// \returns what was written, or
 ///   - kInvalidArgument  another ending; no samples in the region with this stride (window_of()); a
-///                       level set of fewer than two voxels on each side of the surface, or with voxels
-///                       too small for OpenVDB (about 1e-5 mm);
+///                       level set of fewer than two voxels on each side of the surface, or with
+///                       voxels below about 1e-5 mm, the limit of OpenVDB;
 ///   - kOutOfMemory      a dense volume of more than half of max_bytes (the message states its
 ///                       size), or a level set that does not fit into memory;
 ///   - kFileUnwritable   the disk is full, or permission is missing;

@@ -27,9 +27,8 @@ namespace lefort::io {
 ///
 /// Segments are matched to tissues by name, ignoring case, else by the type in their terminology; a
 /// name with the word muscle, such as left_masseter_muscle, is muscle. Label values and layers are
-/// arbitrary. Where segments of several layers overlap, the higher layer takes precedence. Muscle is
-/// the exception: it takes precedence over soft tissue, of which it is part, and over nothing else,
-/// whatever the layers.
+/// arbitrary. Where segments overlap, the higher layer takes precedence. Muscle is the exception:
+/// in any layer, it takes precedence over soft tissue, of which it is part, and over nothing else.
 /// Voxels of no segment, or of a segment without a tissue name, are background. Slicer crops files:
 /// see the other overload.
 ///
