@@ -20,8 +20,9 @@ struct CaseJob {
   bool pictures = true;
 };
 
-/// Returns the stored result if inputs and options are unchanged, or else predicts, compares and
-/// stores it in `output`/cases/NAME/result.json. A case that fails has a result with the reason.
+/// Returns the stored result if inputs and options are unchanged. Otherwise predicts and compares,
+/// and stores the result in `output`/cases/NAME/result.json. A case that fails has a result with
+/// the reason, which is stored too.
 ///
 /// \returns the result; or kCancelled, kFileUnwritable or kOutOfMemory, which are not properties of
 ///   the case.
