@@ -23,14 +23,15 @@ inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as in th
 /// Whether the client has this version (If-None-Match).
 [[nodiscard]] bool is_not_modified(const Request& request, const std::optional<std::string>& etag);
 
-/// Nothing if If-Match names the present version; else the error response.
+/// Nothing if If-Match is the present entity tag or "*"; else the error response.
 [[nodiscard]] std::optional<Response> check_precondition(const Request& request,
                                                          const std::optional<std::string>& etag);
 
-/// An integer in decimal digits within bounds.
+/// An integer in decimal digits from `lowest` to `highest`; nothing for other text.
 [[nodiscard]] std::optional<int> number_of(std::string_view text, int lowest, int highest);
 
-/// An integer parameter of the query, or `otherwise` if it is missing.
+/// An integer parameter of the query, or `otherwise` if it is missing; kInvalidArgument if it is
+/// not an integer from `lowest` to `highest`.
 [[nodiscard]] Result<int> query_number(const Request& request, const std::string& name,
                                        int otherwise, int lowest, int highest);
 
