@@ -2,8 +2,8 @@
 /// Rigid motions in ITK's text transforms `.tfm` (also `.txt`), as saved by 3D Slicer.
 ///
 /// Such a file contains the *resampling* direction in LPS, from the final to the initial position
-/// of a point: the inverse of the motion of a model in Slicer. Reading and writing invert it, so
-/// that a bone moves in lefort as in Slicer.
+/// of a point: the inverse of the motion of a model in Slicer. Reading and writing invert the
+/// transform, so that a bone moves in lefort as in Slicer.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -17,7 +17,7 @@
 namespace lefort::io {
 
 /// Reads lines that end in "\n" or "\r\n". Every other control character but the tab is rejected: a
-/// program that takes one of them for the end of a line would find other fields.
+/// program that takes such a character for the end of a line would find other fields.
 class HeaderLines {
  public:
   /// Limits in bytes; longer headers and lines are rejected. The lines of Slicer's conversion

@@ -58,11 +58,11 @@ inline void read(const Json& object, const char* key, Vec3& value) {
   if (const auto found = object.find(key); found != object.end()) value = as_vector(*found);
 }
 
-/// Returns the object at `key`, or an empty one. It lives as long as `whole`.
+/// Returns the object at `key`, or an empty one. The reference is valid as long as `whole`.
 [[nodiscard]] const Json& section(const Json& whole, const char* key);
 [[nodiscard]] const Json& section(Json&& whole, const char* key) = delete;
 
-/// Returns the list at `key`, or an empty one. It lives as long as `whole`.
+/// Returns the list at `key`, or an empty one. The reference is valid as long as `whole`.
 [[nodiscard]] const Json& list(const Json& whole, const char* key);
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 

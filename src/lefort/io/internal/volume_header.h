@@ -2,8 +2,8 @@
 /// Readers of NRRD, MetaImage and NIfTI files: a header, and the voxels that it describes.
 ///
 /// They use no library. MetaIO and NrrdIO (in ITK 5.2) write outside their buffers for some
-/// headers, parse some headers in another way than a check before them would, return missing voxels
-/// as zeros or uninitialized memory, mirror some files, and share state between threads.
+/// headers, parse some headers differently from a check made before, return missing voxels as zeros
+/// or uninitialized memory, mirror some files, and share state between threads.
 #pragma once
 
 #include <lefort/core/error.h>
