@@ -30,7 +30,7 @@ struct ValidateJob {
 ///
 /// \returns the summary; or
 ///   - kFileNotFound     the cohort does not exist;
-///   - kInvalidArgument  it has no case, or the output is inside it;
+///   - kInvalidArgument  the cohort has no case, or one of cohort and output contains the other;
 ///   - kFileUnwritable   a result could not be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> validate_cohort(const ValidateJob& job, Progress& progress);

@@ -64,7 +64,7 @@ struct ScannedHead {
                                             const std::filesystem::path& ct,
                                             const StageCache& cache, Progress& progress);
 
-/// Reports fragments: bone within an osteotomy that does not move.
+/// Reports fragments: bone within the cut that stays in place.
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
 /// Warns if a segment contains much bone labeled as skull and much labeled as mandible: the labels

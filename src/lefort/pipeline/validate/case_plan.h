@@ -34,7 +34,7 @@ struct CasePlan {
 /// \param one              the case.
 /// \param files            named in the plan.
 /// \param element_size_mm  of the mesh near the segments, instead of the plan's. The element size
-///   far from the segments is then at least twice this.
+///   far from the segments is then at least twice as large.
 /// \returns the plan, kFileNotFound, kFileCorrupt, or kPlanInvalid.
 [[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
                                           std::optional<double> element_size_mm);

@@ -47,7 +47,8 @@ struct CohortCase {
 [[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder);
 
 /// Hash of the contents of all inputs of a case, and of the files that its plan names. The names of
-/// the inputs and the place of the cohort do not matter.
+/// the inputs and the place of the cohort do not matter; the order of names in a folder of DICOM
+/// files does.
 ///
 /// \returns 64 hexadecimal digits, or the errors of io::sha256_of_file().
 [[nodiscard]] Result<std::string> fingerprint_case(const CohortCase& one);

@@ -35,7 +35,7 @@ class CaseProgress : public Progress {
  public:
   /// \param prefix  of stages and notes.
   /// \param inner   outlives this object.
-  /// \param notes   dropped where the same stages run many times.
+  /// \param notes   kDrop where the same stages run many times.
   CaseProgress(std::string prefix, Progress& inner, CaseNotes notes = CaseNotes::kForward)
       : prefix_(std::move(prefix)), inner_(inner), notes_(notes) {}
   void begin_stage(std::string_view name) override {

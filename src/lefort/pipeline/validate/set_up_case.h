@@ -33,7 +33,7 @@ struct CaseSetup {
   /// Whether the movement of a segment or more was found in the bone after surgery.
   bool are_movements_achieved = false;
   geometry::TriangleMesh skin_after_L;
-  /// Registration of the bone after surgery; none if the skin alone is known, in frame L.
+  /// Registration of the bone after surgery; none if only the skin is known, which is in frame L.
   std::optional<compare::Registration> registration{};
   plan::Landmarks landmarks;  ///< Before surgery; may be empty.
 };
