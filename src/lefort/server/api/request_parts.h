@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as in th
 [[nodiscard]] Response not_found(std::string_view what);
 [[nodiscard]] Response with_etag(Response reply, const std::optional<std::string>& etag);
 
-/// Whether the client has this version (If-None-Match).
+/// Whether the client has the present version (If-None-Match).
 [[nodiscard]] bool is_not_modified(const Request& request, const std::optional<std::string>& etag);
 
 /// Nothing if If-Match is the present entity tag or "*"; else the error response.

@@ -30,7 +30,7 @@ struct JobRecord {
   nlohmann::json parameters = nlohmann::json::object();
   std::string state;      ///< "queued", "running", "done", "failed", "cancelled", "interrupted".
   std::string stage;      ///< Name of the current stage.
-  double fraction = 0.0;  ///< Part of the stage that is done, 0 to 1.
+  double fraction = 0.0;  ///< Fraction of the stage that is done, 0 to 1.
   std::deque<std::string> lines;  ///< The last notes.
   std::string message;            ///< Result, in one or more lines, or error, in one line.
   nlohmann::json result;
@@ -77,7 +77,7 @@ class Jobs {
   /// \returns the job; nothing if it does not exist.
   [[nodiscard]] std::optional<JobRecord> cancel(int id);
 
-  /// Stops the running job. The next server reports it, and those queued, as interrupted.
+  /// Stops the running job. The next server reports this job and the queued ones as interrupted.
   void stop();
 
  private:

@@ -36,7 +36,7 @@ class OverlapService {
   };
 
   /// Depth of the vertices of the named segments in stationary bone and in the other segments. A
-  /// segment that is not named is where it was scanned. Depths up to contact::kTouching_mm are 0.
+  /// segment that is not named has its scanned pose. Depths up to contact::kTouching_mm are 0.
   ///
   /// \returns the depths; kInvalidArgument if a segment does not exist.
   [[nodiscard]] Result<Depths> depths(const Poses& poses) const;

@@ -25,7 +25,7 @@ class SolveHistory {
   std::size_t add_iterates(const nlohmann::json& iterates);
   void add_step(nlohmann::json step);
 
-  /// contract/openapi.json, SolveHistory; nothing unless that job is the last.
+  /// contract/openapi.json, SolveHistory; nothing unless `job` is the last solve.
   [[nodiscard]] std::optional<nlohmann::json> of(int job) const;
 
  private:
