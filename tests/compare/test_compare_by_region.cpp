@@ -52,9 +52,9 @@ TEST(CompareByRegion, MovedPartIsReportedSeparately) {
   ASSERT_EQ(rows.size(), 2U) << "no landmarks, no regions";
   EXPECT_EQ(rows[0].region, "whole");
   EXPECT_NEAR(row(rows, "moved").face.median_mm, 0.5, 1e-9);
-  EXPECT_NEAR(row(rows, "moved").if_unchanged->median_mm, 3.0, 1e-9);
+  EXPECT_NEAR(row(rows, "moved").baseline->median_mm, 3.0, 1e-9);
   EXPECT_LT(row(rows, "whole").face.mean_mm, 0.3);
-  EXPECT_LT(row(rows, "whole").if_unchanged->mean_mm, 1.6);
+  EXPECT_LT(row(rows, "whole").baseline->mean_mm, 1.6);
 }
 
 /// Another triangulation of the face before surgery gives the same moved part, except its edge.
@@ -79,7 +79,7 @@ TEST(CompareByRegion, SkinKeepsItsRegion) {
       compare_by_region(after, measure_difference(after, other), other, &before, regions);
   const RegionDifference& lip = row(rows, "upper lip");
   EXPECT_GT(lip.face.area_mm2, 150.0);
-  EXPECT_DOUBLE_EQ(lip.face.area_mm2, lip.if_unchanged->area_mm2);
+  EXPECT_DOUBLE_EQ(lip.face.area_mm2, lip.baseline->area_mm2);
 }
 
 /// Sliding along itself is a displacement, too, but not a distance between surfaces.
@@ -97,7 +97,7 @@ TEST(MovementByRegion, IsTheDisplacementOfEachVertex) {
   EXPECT_DOUBLE_EQ(row(rows, "upper lip").face.p99_mm, 5.0);
   EXPECT_DOUBLE_EQ(row(rows, "moved").face.max_mm, 5.0);
   EXPECT_NEAR(row(rows, "moved").face.area_mm2, 24.0 * 14.0, 40.0);
-  for (const RegionDifference& one : rows) EXPECT_FALSE(one.if_unchanged);
+  for (const RegionDifference& one : rows) EXPECT_FALSE(one.baseline);
 }
 
 TEST(CompareByRegion, WithoutFaceBeforeSurgeryThereIsNoBaselineAndNoMovedPart) {
@@ -106,7 +106,7 @@ TEST(CompareByRegion, WithoutFaceBeforeSurgeryThereIsNoBaselineAndNoMovedPart) {
   const auto rows = compare_by_region(predicted, measure_difference(predicted, actual), actual,
                                       nullptr, FaceRegions::from({}).value());
   ASSERT_EQ(rows.size(), 1U);
-  EXPECT_FALSE(rows[0].if_unchanged);
+  EXPECT_FALSE(rows[0].baseline);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ TEST(LandmarkDisplacements, AreThoseOfTheSkin) {
                                   {"Sn", {-6.0, 1.0, 1.0}},
                                   {"ANS", {0.0, 0.0, 0.0}},
                                   {"Ls", {0.0, 0.0, 6.0}}};
-  const auto carried = carry_landmarks(landmarks, before, after);
+  const auto carried = displace_landmarks(landmarks, before, after);
   ASSERT_TRUE(carried) << carried.error().message;
   ASSERT_EQ(carried->size(), 2U) << "no landmark of bone, none that is off the skin";
   EXPECT_LT(((*carried)[0].point_L - Vec3(6.45, -2.1, 2.0)).norm(), 1e-12);
@@ -24,7 +24,7 @@ TEST(LandmarkDisplacements, AreThoseOfTheSkin) {
 }
 
 TEST(LandmarkDisplacements, RejectDifferentSurfaces) {
-  const auto carried = carry_landmarks({}, test::make_sheet(20.0, 10), test::make_sheet(20.0, 11));
+  const auto carried = displace_landmarks({}, test::make_sheet(20.0, 10), test::make_sheet(20.0, 11));
   ASSERT_FALSE(carried);
   EXPECT_EQ(carried.error().code, ErrorCode::kInvalidArgument);
 }

@@ -176,19 +176,19 @@ TEST(ContactTerm, DeeperThanTheBandIsInadmissible) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, ReportsWhatHasTunnelledThroughAPlate) {
+TEST(ContactTerm, ReportsWhatHasTunneledThroughAPlate) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
-  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
   term.set_pose(lifted(1.5));  // The lower face is the closest one now.
-  EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
-  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
-  EXPECT_EQ(term.summarize(flat_face(0.0)).tunnelled_area_mm2, 0.0);
+  EXPECT_NEAR(term.newly_tunneled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
+  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(1.4)), 0.0);
+  EXPECT_EQ(term.summarize(flat_face(0.0)).tunneled_area_mm2, 0.0);
   EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);  // No tolerance is set.
   EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
   term.commit(flat_face(0.0));
-  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
+  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).tunneled_area_mm2, kFaceArea_mm2, 1e-9);
 }
 
 TEST(ContactTerm, BeyondTheMedialSurfaceTheTangentPlanePushesBack) {
@@ -203,7 +203,7 @@ TEST(ContactTerm, BeyondTheMedialSurfaceTheTangentPlanePushesBack) {
   EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
               1e-5);
   EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_penetration_increase_mm, 1.5, 1e-5);
-  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
 
   term.rollback();  // The planes were not committed.
   EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
@@ -410,7 +410,7 @@ TEST(ContactTerm, RejectsAStateInWhichAPlateHasJumpedThrough) {
   term.set_pose(lifted(1.5));
   const auto refusal = term.rejection_reason(flat_face(0.0));
   ASSERT_TRUE(refusal);
-  EXPECT_NE(refusal->find("have tunnelled through the plate"), std::string::npos) << *refusal;
+  EXPECT_NE(refusal->find("have tunneled through the plate"), std::string::npos) << *refusal;
 }
 
 TEST(ContactTerm, BvhNormalsHaveNoPotential) {
@@ -490,10 +490,10 @@ TEST(ContactTerm, RestoreGivesTheCommittedState) {
   const auto summary = term.summarize(flat_face(0.2)), expected = other.summarize(flat_face(0.2));
   EXPECT_EQ(summary.force_L_n, expected.force_L_n);
   EXPECT_GT(summary.force_L_n.z(), 0.0);
-  EXPECT_EQ(summary.tunnelled_area_mm2, 0.0);  // The tangent planes prevent it.
+  EXPECT_EQ(summary.tunneled_area_mm2, 0.0);  // The tangent planes prevent it.
 }
 
-TEST(ContactTerm, RestoreGivesTheTunnelledArea) {
+TEST(ContactTerm, RestoreGivesTheTunneledArea) {
   const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), options(0.5)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
@@ -504,9 +504,9 @@ TEST(ContactTerm, RestoreGivesTheTunnelledArea) {
   other.restore(term.checkpoint(), flat_face(0.0));
   const auto summary = term.summarize(flat_face(1.2)), expected = other.summarize(flat_face(1.2));
   EXPECT_EQ(summary.force_L_n, expected.force_L_n);
-  EXPECT_GT(summary.tunnelled_area_mm2, 0.0);
-  EXPECT_EQ(summary.tunnelled_area_mm2, expected.tunnelled_area_mm2);
-  EXPECT_EQ(other.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_GT(summary.tunneled_area_mm2, 0.0);
+  EXPECT_EQ(summary.tunneled_area_mm2, expected.tunneled_area_mm2);
+  EXPECT_EQ(other.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
 }
 
 TEST(ContactTerm, TheP99OfDepthExcludesTheDeepestPercentOfTheArea) {

@@ -108,7 +108,7 @@ TEST(SolveAugmentedLagrangian, AFaceAcrossARidgeIsPushedOffTheTip) {
   ASSERT_TRUE(outcome.converged());
   const ContactStatistics off = contacts[0].summarize(displaced(across_ridge(0.0), outcome.x));
   EXPECT_LE(off.p99_penetration_increase_mm, 0.05);
-  EXPECT_EQ(off.tunnelled_area_mm2, 0.0);
+  EXPECT_EQ(off.tunneled_area_mm2, 0.0);
   EXPECT_NEAR(outcome.x[2], 1.0, 0.05);
 }
 

@@ -44,7 +44,7 @@ VolumeMesh every_shape() {
     ElementBlock block{shape, {}, {region, -region}};
     for (std::int32_t n = 0; n < 2 * mesh::node_count(shape); ++n)
       block.nodes.push_back((7 * n + region) % 20);
-    if (mesh::corner_count(shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
+    if (mesh::corner_count(shape) == 6) internal::renumber_wedges(block, mesh.nodes_L);
     mesh.blocks.push_back(block);
     ++region;
   }
@@ -417,7 +417,7 @@ TEST(ReadVtu, ReadsBothNumberingsOfWedges) {
     const auto count = std::size_t(mesh::node_count(shape));
     for (std::size_t n = 0; n < turned.blocks[0].nodes.size(); ++n)
       turned.blocks[0].nodes[n] =
-          mesh.blocks[0].nodes[n - n % count + internal::kTurnedWedge[n % count]];
+          mesh.blocks[0].nodes[n - n % count + internal::kOtherWedgeOrder[n % count]];
     EXPECT_EQ(mesh::poor_elements(turned, 0.0).size(), 2U);
     ASSERT_TRUE(write_vtu(folder / "m.vtu", turned));
     EXPECT_EQ(read_vtu(folder / "m.vtu").value().blocks[0].nodes, mesh.blocks[0].nodes);

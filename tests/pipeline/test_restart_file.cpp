@@ -40,7 +40,7 @@ predict::Restart some_restart() {
   restart.contacts = {{.multipliers_mpa = {0.0, 1e-3},
                        .penalty_scales = {1.0, 16.0},
                        .tangent_planes = {{}, {Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), true}},
-                       .tunnelled_area_mm2 = 2.0}};
+                       .tunneled_area_mm2 = 2.0}};
   return restart;
 }
 

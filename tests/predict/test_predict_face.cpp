@@ -243,7 +243,7 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
       const PredictionStep &a = whole.steps[n], &b = rest.steps[n];
       EXPECT_EQ(a.displacement_mm, b.displacement_mm) << "step " << n;
       EXPECT_EQ(a.contact().force_L_n, b.contact().force_L_n);
-      EXPECT_EQ(a.contact().tunnelled_area_mm2, b.contact().tunnelled_area_mm2);
+      EXPECT_EQ(a.contact().tunneled_area_mm2, b.contact().tunneled_area_mm2);
       EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
       EXPECT_EQ(a.residual_n, b.residual_n);
     }

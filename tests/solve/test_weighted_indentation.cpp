@@ -1,4 +1,4 @@
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_active_set.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
@@ -120,9 +120,9 @@ double pressed_force_n(const Indenter& indenter) {
           .value());
   contact::RigidObstacle bone{
       contact::field_distance_query(field, contact::DetectionMethod::kSmooth, surface).value()};
-  contact::MortarContactTerm term(
+  contact::WeightedContactTerm term(
       mesh.nodes_L, mesh.face_sets.at("z1"), {bone},
-      {.stiffness_mpa_per_mm = contact::mortar_stiffness_mpa_per_mm(kYoung_mpa, 0.01 * kDepth_mm)});
+      {.stiffness_mpa_per_mm = contact::weighted_stiffness_mpa_per_mm(kYoung_mpa, 0.01 * kDepth_mm)});
   bone.X_LB.translation().z() = -kDepth_mm;
   term.set_pose(0, bone.X_LB);
   const auto elements = fem::make_element_terms(
@@ -134,7 +134,7 @@ double pressed_force_n(const Indenter& indenter) {
   const fem::Assembler assembler(mesh.nodes_L,
                                  fem::DofMap::build(mesh.node_count(), prescribed).value(), terms);
   linear::LinearSolver linear_solver;
-  contact::MortarContactTerm* const contacts[] = {&term};
+  contact::WeightedContactTerm* const contacts[] = {&term};
   const fem::NewtonOutcome end = contact::solve_active_set(
       contacts, mesh.nodes_L, {term.active_set(mesh.nodes_L)}, VectorX::Zero(3 * mesh.node_count()),
       100, [&](const VectorX& from, int max_iterations) {

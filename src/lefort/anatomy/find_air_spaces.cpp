@@ -79,7 +79,7 @@ AirSpaces find_air_spaces(const Mask& air, const Mask& bone, const Mask& outside
   const Components rooms = rooms_and_slits(air, to_wall, options.ostium_radius_mm);
   const std::vector<double> fractions = bony_fractions(rooms, to_wall, distance_to(bone));
   const Mask near_outside = dilated(outside, 1.001 * grid.spacing_mm.maxCoeff());
-  const std::vector<std::uint8_t> is_open = components_touching(rooms, near_outside);
+  const std::vector<std::uint8_t> is_open = components_overlapping(rooms, near_outside);
   std::vector<std::uint8_t> is_sinus(fractions.size(), 0);
   for (std::size_t room = 1; room < fractions.size(); ++room)
     is_sinus[room] = is_open[room] == 0 && fractions[room] >= kBonyFraction ? 1 : 0;
@@ -88,7 +88,7 @@ AirSpaces find_air_spaces(const Mask& air, const Mask& bone, const Mask& outside
   const Components components = connected_components(
       mask_where(grid, [&](std::size_t v) { return air.values[v] != 0 && sinus.values[v] == 0; }),
       Neighbors::kFaces);
-  std::vector<std::uint8_t> is_airway = components_touching(components, near_outside);
+  std::vector<std::uint8_t> is_airway = components_overlapping(components, near_outside);
   for (std::size_t component = 1; component < is_airway.size(); ++component)
     if (double(components.voxels[component]) * voxel_ml(grid) >= options.min_air_ml)
       is_airway[component] = 1;

@@ -190,7 +190,7 @@ image::ScalarVolume dense_width(const image::CtVolume& ct, const Mask& bone, dou
   };
   const Components sparse =
       connected_components(mask_where(bone.grid, is_sparse), Neighbors::kFaces);
-  const std::vector<std::uint8_t> is_open = components_touching(
+  const std::vector<std::uint8_t> is_open = components_overlapping(
       sparse, mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
   const image::ScalarVolume depth_mm =
       distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));

@@ -44,7 +44,7 @@ Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) 
               (margin.last[axis] > 0 && at[axis] == wide.grid.size[axis] - 1))
             start.at(i, j, k) = 1;
       }
-  return dilated(select_components(positions, components_touching(positions, start)), radius_mm);
+  return dilated(select_components(positions, components_overlapping(positions, start)), radius_mm);
 }
 
 }  // namespace

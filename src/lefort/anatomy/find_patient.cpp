@@ -21,7 +21,7 @@ Mask with_marrow(const Mask& bone, const Mask& walls, const Mask& air) {
   const Components rooms = connected_components(
       mask_where(bone.grid, [&](std::size_t v) { return walls.values[v] == 0; }),
       Neighbors::kFaces);
-  std::vector<std::uint8_t> is_marrow = components_touching(rooms, air);
+  std::vector<std::uint8_t> is_marrow = components_overlapping(rooms, air);
   for (std::size_t room = 1; room < is_marrow.size(); ++room) {
     const bool small = double(rooms.voxels[room]) * ml <= kMaxMarrow_ml;
     is_marrow[room] = is_marrow[room] == 0 && small ? 1 : 0;

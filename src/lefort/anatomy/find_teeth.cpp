@@ -141,7 +141,7 @@ Mask teeth_of(const JawBox& box) {
                    return (thick.values[v] != 0 && dense.values[v] != 0) || crowns.values[v] != 0;
                  }),
       Neighbors::kFaces);
-  const Mask cores = select_components(parts, components_touching(parts, crowns));
+  const Mask cores = select_components(parts, components_overlapping(parts, crowns));
   // The blurred border of a tooth: close to it, and no thicker bone.
   const Mask rest = mask_where(
       dense.grid, [&](std::size_t v) { return box.jaw.values[v] != 0 && cores.values[v] == 0; });

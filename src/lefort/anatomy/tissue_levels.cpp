@@ -157,7 +157,7 @@ Mask sinus_filling(const PaddedScan& scan) {
       Neighbors::kFaces);
   // Regions with other tissue, and the largest region, which is the rest of the patient, are not
   // filled.
-  std::vector<std::uint8_t> is_kept = components_touching(
+  std::vector<std::uint8_t> is_kept = components_overlapping(
       rooms, mask_where(scan.grid(),
                         [&](std::size_t v) { return !is_soft_tissue(scan.labels.values[v]); }));
   is_kept[std::size_t(rooms.largest())] = 1;

@@ -123,7 +123,7 @@ Mask select_components(const Components& parts, const std::vector<std::uint8_t>&
   });
 }
 
-std::vector<std::uint8_t> components_touching(const Components& parts, const Mask& mask) {
+std::vector<std::uint8_t> components_overlapping(const Components& parts, const Mask& mask) {
   std::vector<std::uint8_t> touching(parts.voxels.size(), 0);
   for (std::size_t v = 0; v < mask.values.size(); ++v)
     if (mask.values[v] != 0) touching[std::size_t(parts.component_of.values[v])] = 1;

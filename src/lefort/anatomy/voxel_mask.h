@@ -103,7 +103,7 @@ struct Components {
                                      const std::vector<std::uint8_t>& keep);
 
 /// For each component, whether one of its voxels is in `mask`; entry 0 is 0.
-[[nodiscard]] std::vector<std::uint8_t> components_touching(const Components& components,
+[[nodiscard]] std::vector<std::uint8_t> components_overlapping(const Components& components,
                                                             const Mask& mask);
 
 /// Convolution with a Gaussian; values outside of the grid repeat those of its faces.

@@ -112,7 +112,7 @@ Result<MethodRun> follow(const ConvergenceCase& task, const ContactMethod& metho
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
   std::vector<contact::RigidObstacle> bones;
   for (const predict::ContactBone& segment : task.model.segments) {
-    LEFORT_TRY(auto distance_query_B, predict::segment_distance_query(segment, method.detection));
+    LEFORT_TRY(auto distance_query_B, predict::bone_distance_query(segment, method.detection));
     bones.push_back({std::move(distance_query_B)});
   }
   if (!run.prediction.steps.empty()) {
@@ -167,7 +167,7 @@ std::string table(std::span<const MethodRun> runs) {
   std::string text =
       "| case | method | steps converged | failed increments | iterations (in failed ones) | per "
       "converged step | residual increased | largest final relative residual | nodes in contact | "
-      "largest P99 of depth | depth P99 / max mm at the end | tunnelled mm² | µs per point "
+      "largest P99 of depth | depth P99 / max mm at the end | tunneled mm² | µs per point "
       "detected | s per detection | "
       "walk s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const MethodRun& run : runs) {
@@ -186,7 +186,7 @@ std::string table(std::span<const MethodRun> runs) {
         sum.iterations, sum.failed_iterations,
         steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
         sum.max_final, last.nodes, sum.max_p99_mm, last.p99_penetration_increase_mm,
-        last.max_penetration_increase_mm, last.tunnelled_area_mm2,
+        last.max_penetration_increase_mm, last.tunneled_area_mm2,
         1e6 * run.detection_seconds / double(std::max<std::size_t>(run.detection_points, 1)),
         run.detection_seconds, run.seconds);
   }

@@ -78,7 +78,7 @@ std::vector<RegionDifference> compare_by_region(const TriangleMesh& face_L,
   if (before_L != nullptr) {
     const auto then = describe_parts(*before_L, measure_difference(*before_L, other), &face_L,
                                      regions_of(*before_L, nullptr, regions));
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].if_unchanged = then[k].second;
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].baseline = then[k].second;
   }
   drop_empty(rows);
   return rows;

@@ -18,7 +18,7 @@ struct RegionDifference {
   std::string region;
   DifferenceStatistics face;
   /// Baseline without change: the difference if the face were as before surgery.
-  std::optional<DifferenceStatistics> if_unchanged;
+  std::optional<DifferenceStatistics> baseline;
 };
 
 /// Assigns vertices to the regions of the face before surgery. If `face_L` is the same surface

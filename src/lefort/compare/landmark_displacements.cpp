@@ -3,7 +3,7 @@
 #include <lefort/geometry/bvh.h>
 
 namespace lefort::compare {
-Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmarks_L,
+Result<plan::Landmarks> displace_landmarks(std::span<const plan::Landmark> landmarks_L,
                                         const geometry::TriangleMesh& before_L,
                                         const geometry::TriangleMesh& after_L, double near_mm) {
   if (before_L.vertices.size() != after_L.vertices.size() ||

@@ -15,7 +15,7 @@ constexpr double kMaxPenaltyScale = 64.0;
 
 }  // namespace
 
-bool ContactHistory::has_tunnelled(std::size_t point, const RigidObstacle& obstacle,
+bool ContactHistory::has_tunneled(std::size_t point, const RigidObstacle& obstacle,
                                    const Gap& measured) const {
   const Point& at = points_[point];
   return !at.now.is_plane_constrained && !at.crossed_medial_surface &&
@@ -27,14 +27,14 @@ bool ContactHistory::commit(std::size_t point, const RigidObstacle& obstacle, co
   Point& at = points_[point];
   const bool crossed_medial_surface =
       uses_tangent_planes_ && has_crossed_medial_surface(obstacle, p_L, measured, at.reference);
-  const bool tunnelled = !crossed_medial_surface && has_tunnelled(point, obstacle, measured);
+  const bool tunneled = !crossed_medial_surface && has_tunneled(point, obstacle, measured);
   at.committed = at.now;
   at.crossed_medial_surface = crossed_medial_surface;
   at.has_returned =
       at.now.is_plane_constrained && contact::has_returned(obstacle, p_L, measured, at.reference);
   if (!at.now.is_plane_constrained && !crossed_medial_surface)
     at.reference = contact_reference(obstacle, p_L, measured);
-  return tunnelled;
+  return tunneled;
 }
 
 bool ContactHistory::activate_tangent_plane(std::size_t point, const RigidObstacle& obstacle,
@@ -75,7 +75,7 @@ ContactCheckpoint ContactHistory::checkpoint() const {
   ContactCheckpoint checkpoint{.multipliers_mpa = {},
                                .penalty_scales = {},
                                .tangent_planes = {},
-                               .tunnelled_area_mm2 = tunnelled_area_mm2_};
+                               .tunneled_area_mm2 = tunneled_area_mm2_};
   for (const Point& point : points_) {
     checkpoint.multipliers_mpa.push_back(point.committed.multiplier_mpa);
     checkpoint.penalty_scales.push_back(point.committed.penalty_scale);

@@ -25,7 +25,7 @@ struct ContactCheckpoint {
   std::vector<double> multipliers_mpa;       ///< One per point.
   std::vector<double> penalty_scales;        ///< One per point.
   std::vector<TangentPlane> tangent_planes;  ///< One per point.
-  double tunnelled_area_mm2 = 0.0;           ///< Of all increments so far.
+  double tunneled_area_mm2 = 0.0;           ///< Of all increments so far.
 };
 
 /// Points are numbered as in ContactSurface. Functions of one point change that point alone, so
@@ -68,7 +68,7 @@ class ContactHistory {
   }
 
   /// \returns whether the point has tunneled since the last accepted state.
-  [[nodiscard]] bool has_tunnelled(std::size_t point, const RigidObstacle& obstacle,
+  [[nodiscard]] bool has_tunneled(std::size_t point, const RigidObstacle& obstacle,
                                    const Gap& measured) const;
 
   /// Sets the contact reference of a point in the reference configuration.
@@ -109,9 +109,9 @@ class ContactHistory {
   void begin_step();
 
   /// Area that has tunneled in all accepted increments [mm^2].
-  [[nodiscard]] double tunnelled_area_mm2() const { return tunnelled_area_mm2_; }
-  void add_tunnelled_area_mm2(double area_mm2) { tunnelled_area_mm2_ += area_mm2; }
-  void set_tunnelled_area_mm2(double area_mm2) { tunnelled_area_mm2_ = area_mm2; }
+  [[nodiscard]] double tunneled_area_mm2() const { return tunneled_area_mm2_; }
+  void add_tunneled_area_mm2(double area_mm2) { tunneled_area_mm2_ += area_mm2; }
+  void set_tunneled_area_mm2(double area_mm2) { tunneled_area_mm2_ = area_mm2; }
 
   [[nodiscard]] ContactCheckpoint checkpoint() const;
 
@@ -138,7 +138,7 @@ class ContactHistory {
 
   std::vector<Point> points_;
   bool uses_tangent_planes_;
-  double tunnelled_area_mm2_ = 0.0;
+  double tunneled_area_mm2_ = 0.0;
 };
 
 }  // namespace lefort::contact

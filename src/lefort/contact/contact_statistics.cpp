@@ -49,7 +49,7 @@ ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b
               std::max(a.p99_penetration_increase_mm, b.p99_penetration_increase_mm),
           .force_L_n = a.force_L_n + b.force_L_n,
           .normal_force_n = a.normal_force_n + b.normal_force_n,
-          .tunnelled_area_mm2 = a.tunnelled_area_mm2 + b.tunnelled_area_mm2};
+          .tunneled_area_mm2 = a.tunneled_area_mm2 + b.tunneled_area_mm2};
 }
 
 void ContactStatisticsSum::add(const PointContact& point, std::span<const std::int32_t> nodes) {
@@ -68,11 +68,11 @@ void ContactStatisticsSum::add(const PointContact& point, std::span<const std::i
   sum_.normal_force_n += force_n.norm();
 }
 
-ContactStatistics ContactStatisticsSum::finish(double tunnelled_area_mm2) && {
+ContactStatistics ContactStatisticsSum::finish(double tunneled_area_mm2) && {
   sum_.p99_penetration_increase_mm =
       std::max(depth_at_fraction(std::move(depth_and_area_), kBeyondP99), 0.0);
   sum_.nodes = count_distinct(std::move(nodes_));
-  sum_.tunnelled_area_mm2 = tunnelled_area_mm2;
+  sum_.tunneled_area_mm2 = tunneled_area_mm2;
   if (sum_.area_mm2 > 0.0) {
     sum_.mean_penetration_mm /= sum_.area_mm2;
     sum_.mean_penetration_increase_mm /= sum_.area_mm2;

@@ -32,7 +32,7 @@ struct ContactStatistics {
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
   /// Cumulative reference area of points that tunneled through thin bone without a tangent plane
   /// [mm^2]. A point counts once per event.
-  double tunnelled_area_mm2 = 0.0;
+  double tunneled_area_mm2 = 0.0;
 };
 
 /// Statistics of two bones together: sums of counts, areas and forces, maxima of depths, means
@@ -70,9 +70,9 @@ class ContactStatisticsSum {
   /// \param nodes  of the patch of the point.
   void add(const PointContact& point, std::span<const std::int32_t> nodes);
 
-  /// \param tunnelled_area_mm2  of all increments so far.
+  /// \param tunneled_area_mm2  of all increments so far.
   /// \returns the statistics of all points that were added.
-  [[nodiscard]] ContactStatistics finish(double tunnelled_area_mm2) &&;
+  [[nodiscard]] ContactStatistics finish(double tunneled_area_mm2) &&;
 
  private:
   ContactStatistics sum_;

@@ -19,7 +19,7 @@ namespace lefort::contact {
 enum class Integration : std::uint8_t {
   kQuadrature,  ///< At quadrature points inside the faces.
   kNodes,       ///< At the nodes, each with its lumped area; for comparison.
-  kWeighted,    ///< By weighted gaps of the nodes, without history (mortar_contact_term.h).
+  kWeighted,    ///< By weighted gaps of the nodes, without history (weighted_contact_term.h).
 };
 
 /// Name in plans and results.

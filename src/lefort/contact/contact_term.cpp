@@ -15,7 +15,7 @@ namespace {
 /// Largest fraction of the contact area that may tunnel in one increment. A bone that jumps through
 /// a face takes whole faces with it (test RejectsAStateInWhichAPlateHasJumpedThrough); over thin
 /// edges of a real skull far less tunnels (study "contact on a real head").
-constexpr double kMaxTunnelledFraction = 0.02;
+constexpr double kMaxTunneledFraction = 0.02;
 
 /// Gaps at the points of a rule.
 struct RuleGaps {
@@ -116,14 +116,14 @@ PointContact ContactTerm::contact_at(const PointGap& at) const {
 }
 
 void ContactTerm::commit(std::span<const Vec3> x_L) {
-  history_.add_tunnelled_area_mm2(
+  history_.add_tunneled_area_mm2(
       deterministic_sum(Index(surface_.patches().size()), 0.0, [&](Index item) {
-        double tunnelled_mm2 = 0.0;
+        double tunneled_mm2 = 0.0;
         for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
           if (history_.commit(at.number, obstacle_, at.p_L, at.measured))
-            tunnelled_mm2 += surface_.area_mm2(at.number);
+            tunneled_mm2 += surface_.area_mm2(at.number);
         });
-        return tunnelled_mm2;
+        return tunneled_mm2;
       }));
   note_clearances(x_L);
 }
@@ -178,17 +178,17 @@ void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
 void ContactTerm::restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L) {
   history_.restore(checkpoint);
   commit(x_L);
-  history_.set_tunnelled_area_mm2(checkpoint.tunnelled_area_mm2);
+  history_.set_tunneled_area_mm2(checkpoint.tunneled_area_mm2);
 }
 
 std::optional<std::string> ContactTerm::rejection_reason(std::span<const Vec3> x_L) const {
-  const double tunnelled_mm2 = newly_tunnelled_area_mm2(x_L);
-  if (tunnelled_mm2 == 0.0) return std::nullopt;
+  const double tunneled_mm2 = newly_tunneled_area_mm2(x_L);
+  if (tunneled_mm2 == 0.0) return std::nullopt;
   const double touching_mm2 = summarize(x_L).area_mm2;
-  if (tunnelled_mm2 <= kMaxTunnelledFraction * touching_mm2) return std::nullopt;
+  if (tunneled_mm2 <= kMaxTunneledFraction * touching_mm2) return std::nullopt;
   return fmt::format(
-      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through {} in one increment",
-      tunnelled_mm2, touching_mm2, name_);
+      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunneled through {} in one increment",
+      tunneled_mm2, touching_mm2, name_);
 }
 
 double ContactTerm::rest_penetration_mm() const {
@@ -197,14 +197,14 @@ double ContactTerm::rest_penetration_mm() const {
   return max_mm;
 }
 
-double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
+double ContactTerm::newly_tunneled_area_mm2(std::span<const Vec3> x_L) const {
   return deterministic_sum(Index(surface_.patches().size()), 0.0, [&](Index item) {
-    double tunnelled_mm2 = 0.0;
+    double tunneled_mm2 = 0.0;
     for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
-      if (history_.has_tunnelled(at.number, obstacle_, at.measured))
-        tunnelled_mm2 += surface_.area_mm2(at.number);
+      if (history_.has_tunneled(at.number, obstacle_, at.measured))
+        tunneled_mm2 += surface_.area_mm2(at.number);
     });
-    return tunnelled_mm2;
+    return tunneled_mm2;
   });
 }
 
@@ -256,7 +256,7 @@ ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
     for_each_point(patch, x_L, [&](const PointGap& at) {
       sum.add(contact_at(at), surface_.patch(patch).span());
     });
-  return std::move(sum).finish(history_.tunnelled_area_mm2());
+  return std::move(sum).finish(history_.tunneled_area_mm2());
 }
 
 std::vector<ContactPoint> ContactTerm::contact_points(std::span<const Vec3> x_L) const {

@@ -108,7 +108,7 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::string inadmissible_cause() const override;
 
   /// Accepts the present state at the present pose and adds the area that has tunneled since the
-  /// last accepted state to ContactStatistics::tunnelled_area_mm2.
+  /// last accepted state to ContactStatistics::tunneled_area_mm2.
   /// \param x_L  current positions of all nodes [mm].
   void commit(std::span<const Vec3> x_L);
 
@@ -145,7 +145,7 @@ class ContactTerm final : public fem::ForceTerm {
 
   /// \param x_L  current positions of all nodes [mm].
   /// \returns the reference area that has tunneled since the last accepted state [mm^2].
-  [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
+  [[nodiscard]] double newly_tunneled_area_mm2(std::span<const Vec3> x_L) const;
 
   /// If the bone has jumped through the tissue, the tissue is in equilibrium on the wrong side of
   /// the bone. An increment in which too much of the contact area has tunneled is therefore

@@ -1,6 +1,6 @@
 #include <lefort/contact/dense_faces.h>
-#include <lefort/contact/mortar_contact_points.h>
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_points.h>
+#include <lefort/contact/weighted_contact_term.h>
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +11,7 @@ namespace lefort::contact {
 /// Adds dense samples of the faces around active nodes. A sample counts with the hat functions of
 /// these nodes there, so that a face between an active and a free node counts in part, and no area
 /// twice.
-void MortarContactTerm::add_faces(std::span<const Vec3> x_L,
+void WeightedContactTerm::add_faces(std::span<const Vec3> x_L,
                                   std::vector<ContactStatisticsSum>& sums) const {
   const ActiveSet active = active_set(x_L);
   std::vector<double> pressures_mpa(x_L.size(), 0.0);
@@ -42,7 +42,7 @@ void MortarContactTerm::add_faces(std::span<const Vec3> x_L,
   }
 }
 
-std::vector<ContactStatistics> MortarContactTerm::summarize(std::span<const Vec3> x_L) const {
+std::vector<ContactStatistics> WeightedContactTerm::summarize(std::span<const Vec3> x_L) const {
   std::vector<ContactStatisticsSum> sums(obstacles_.size());
   add_faces(x_L, sums);
   std::vector<ContactStatistics> all;
@@ -86,7 +86,7 @@ std::vector<ContactStatistics> MortarContactTerm::summarize(std::span<const Vec3
   return all;
 }
 
-std::vector<std::vector<NodalContact>> MortarContactTerm::at_nodes_by_bone(
+std::vector<std::vector<NodalContact>> WeightedContactTerm::at_nodes_by_bone(
     std::span<const Vec3> x_L) const {
   std::vector<std::vector<NodalContact>> all(obstacles_.size());
   for (std::size_t p = 0; p < patches_.size(); ++p) {

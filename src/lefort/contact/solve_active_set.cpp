@@ -19,14 +19,14 @@ bool is_final(fem::NewtonStop stop) {
 
 }  // namespace
 
-fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts,
+fem::NewtonOutcome solve_active_set(std::span<WeightedContactTerm* const> contacts,
                                     std::span<const Vec3> nodes_L, std::vector<ActiveSet> active,
                                     const VectorX& start, int max_iterations,
                                     const SolveFrom& solve) {
   VectorX at = start;
   std::vector<fem::NewtonIterate> history;
   const auto release = [&] {
-    for (MortarContactTerm* contact : contacts) contact->set_active({});
+    for (WeightedContactTerm* contact : contacts) contact->set_active({});
   };
   for (int n = 0; n < kMaxActiveSetSteps; ++n) {
     const std::vector<Vec3> from_L = displaced(nodes_L, at);
@@ -55,7 +55,7 @@ fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts
     if (next.converged() && is_same) break;
   }
   release();
-  for (MortarContactTerm* contact : contacts) contact->note_clearances(displaced(nodes_L, at));
+  for (WeightedContactTerm* contact : contacts) contact->note_clearances(displaced(nodes_L, at));
   fem::NewtonOutcome end = solve(at, max_iterations);
   append(history, end);
   end.history = std::move(history);

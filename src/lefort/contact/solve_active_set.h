@@ -3,7 +3,7 @@
 /// algorithm 1; \cite popp2012, section 4).
 #pragma once
 
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/solve/newton.h>
 
@@ -37,7 +37,7 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 /// \param solve           one Newton step or the unilateral solve.
 /// \returns the outcome with the history of all steps; at once if a step was cancelled or ran out
 ///   of memory.
-[[nodiscard]] fem::NewtonOutcome solve_active_set(std::span<MortarContactTerm* const> contacts,
+[[nodiscard]] fem::NewtonOutcome solve_active_set(std::span<WeightedContactTerm* const> contacts,
                                                   std::span<const Vec3> nodes_L,
                                                   std::vector<ActiveSet> active,
                                                   const VectorX& start, int max_iterations,

@@ -16,7 +16,7 @@ namespace lefort::io {
 /// Where an obstacle's shape comes from.
 struct ObstacleFile {
   std::filesystem::path file;           ///< A surface, or a field (.field).
-  field::DistanceFieldOptions options;  ///< For a surface.
+  field::DistanceFieldOptions options;  ///< Used if the file is a surface.
 };
 
 /// When the mesh is written.
@@ -38,7 +38,7 @@ struct DeckFile {
   std::string title;
   std::filesystem::path mesh;
   std::string regions;  ///< Cell array with the regions; empty: the default of read_volume_mesh().
-  double mm_per_unit = 1.0;  ///< Unit of length of the mesh file.
+  double mm_per_unit = 1.0;  ///< One unit of length of the mesh file [mm].
   solve::Deck deck;
   std::vector<ObstacleFile> obstacles;  ///< In the order of solve::Deck::obstacles.
   WriteEvery every = WriteEvery::kIncrement;
@@ -54,12 +54,12 @@ struct DeckText {
 
 /// Reads and checks a deck.
 ///
-/// \returns the deck; or kFileNotFound; or kPlanInvalid with the key and the error, for example
-///   `materials[0]: there is no law 'rubber', ...`. A key that occurs twice in an object is an
-///   error.
+/// \returns the deck; kFileNotFound; kFileCorrupt if the file is larger than 64 MiB; or
+///   kPlanInvalid with the key and the error, for example `materials[0]: there is no law 'rubber',
+///   ...`. A key that occurs twice in an object is an error.
 [[nodiscard]] Result<DeckText> read_deck(const std::filesystem::path& file);
 
-/// The same from text; relative paths are taken from `folder`.
+/// As read_deck() from text; relative paths are taken from `folder`.
 [[nodiscard]] Result<DeckFile> parse_deck(std::string_view json,
                                           const std::filesystem::path& folder);
 

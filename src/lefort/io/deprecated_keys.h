@@ -12,7 +12,7 @@ namespace lefort::io {
 
 /// A key of a plan or deck that has a new name.
 struct DeprecatedKey {
-  std::string_view object;  ///< Its object, for example "path.keyframes[]"; empty: the top level.
+  std::string_view object;  ///< Path of its object, as "segments[].path"; empty: the top level.
   std::string_view old_key;
   std::string_view new_key;
 };

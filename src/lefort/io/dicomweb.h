@@ -22,7 +22,8 @@ struct Credentials {
 
 /// Limits of what a server may send; the transfer ends when one is exceeded.
 struct DicomWebLimits {
-  std::size_t list_bytes = std::size_t{16} << 20;  ///< Of a list; up to 20 times that in memory.
+  /// Of a list as JSON text, which needs up to 20 times as much memory when parsed.
+  std::size_t list_bytes = std::size_t{16} << 20;
   std::uint64_t series_bytes = std::uint64_t{16} << 30;  ///< Of a series, on disk.
   std::uint64_t image_bytes = std::uint64_t{2} << 30;    ///< Of one image.
   Index images = 100'000;
@@ -42,17 +43,20 @@ struct DicomWebLimits {
 ///
 /// \param address      of the study or series, as above.
 /// \param credentials  used if the address contains none.
-/// \param series       number in list_dicomweb(), from 1; 0: the only CT of the study.
+/// \param series       number in list_dicomweb() with this address, from 1; 0: the only CT series.
 /// \param progress     stages, progress of the transfer, requests to stop.
 /// \param limits       of what the server may send.
 /// \returns the scan, or an error whose message names neither patient, study nor password:
-///   - kInvalidArgument   an invalid address, or several series and none chosen;
+///   - kInvalidArgument   an invalid address, no series of this number, or several CT series and
+///                        none chosen;
 ///   - kConnectionFailed  no server answers, its certificate is not trusted, or the connection was
 ///                        lost or timed out;
 ///   - kAccessDenied      the server rejects the user name or password;
 ///   - kFileNotFound      the server has no such study or series;
-///   - kFileUnsupported   the answer is not DICOMweb;
-///   - kFileCorrupt       images are missing or of another series, or a limit is exceeded;
+///   - kFileUnsupported   the answer is not DICOMweb, or no series is a CT;
+///   - kFileCorrupt       images are missing, repeated or of another series, or a limit is
+///                        exceeded;
+///   - kFileUnwritable    the temporary folder cannot be created or written;
 ///   - the errors of read_dicom_series().
 [[nodiscard]] Result<ImportedVolume> read_dicomweb(const std::string& address,
                                                    const Credentials& credentials, int series = 0,

@@ -43,8 +43,10 @@ struct FieldExport {
 /// \param progress  stage, progress, requests to stop.
 /// \returns what was written, or
 ///   - kInvalidArgument  another ending; no samples in the region with this stride (window_of()); a
-///                       level set of fewer than two voxels on each side of the surface;
-///   - kOutOfMemory      a dense volume of more than max_bytes; the message states its size;
+///                       level set of fewer than two voxels on each side of the surface, or with
+///                       voxels below about 1e-5 mm, the limit of OpenVDB;
+///   - kOutOfMemory      a dense volume of more than half of max_bytes (the message states its
+///                       size), or a level set that does not fit into memory;
 ///   - kFileUnwritable   the disk is full, or permission is missing;
 ///   - kCancelled.
 /// \note Equal fields give equal NRRD files; OpenVDB writes a random number into each of its.

@@ -21,8 +21,9 @@ namespace lefort::io {
 [[nodiscard]] Result<void> write_field(const std::filesystem::path& path,
                                        const field::DistanceField& field);
 
-/// Maps a field file into memory. Only octrees and smooth lattices are copied. The file must not
-/// be modified in place during the lifetime of the field; lefort only replaces files.
+/// Maps a field file into memory. Samples in bricks are used in place; all others and smooth
+/// lattices are copied. The file must not be modified in place during the lifetime of the field;
+/// lefort only replaces files.
 ///
 /// \param path  a file of write_field().
 /// \returns the field, in the frame B of its surface; kFileNotFound; kFileUnsupported if the file

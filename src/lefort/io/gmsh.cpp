@@ -45,7 +45,7 @@ std::span<const std::uint8_t> gmsh_order(ElementShape shape) {
     case ElementShape::kWedge15:
       return kWedge15;
     case ElementShape::kWedge6:
-      return internal::kTurnedWedge;
+      return internal::kOtherWedgeOrder;
     default:
       return kSame;
   }

@@ -18,17 +18,17 @@ namespace lefort::io {
 ///
 /// A group without a name is named "surface 7", "curve 7" or "point 7" after its tag; volumes in no
 /// group are region 0. Nodes without an element (such as the center of an arc) are omitted.
-/// Coordinates are in mm in frame L.
+/// Coordinates are not converted: they count as mm in frame L.
 ///
 /// \param file  the Gmsh file.
 /// \returns the mesh, or
 ///   - kFileNotFound     the file does not exist;
 ///   - kFileCorrupt      it is truncated, damaged or inconsistent: a count exceeds the file, a
 ///                       coordinate is not finite, a node is duplicated or missing;
-///   - kFileUnsupported  its version is not 4.1, it is partitioned, or has elements that the solver
-///                       does not support; the message states how to save it;
+///   - kFileUnsupported  its version is not 4.1, it is big-endian or partitioned, or has elements
+///                       that the solver does not support; the message states how to save it;
 ///   - kMeshInvalid      it has no volume, a volume is in two groups, two sets have the same name,
-///                       or a group contains nodes or faces of no volume.
+///                       a group contains nodes or faces of no volume, or all groups are empty.
 [[nodiscard]] Result<mesh::VolumeMesh> read_gmsh(const std::filesystem::path& file);
 
 }  // namespace lefort::io

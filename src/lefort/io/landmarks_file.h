@@ -25,15 +25,14 @@ namespace lefort::io {
 /// \returns the landmarks in the order of the file, or
 ///   - kFileNotFound     the file does not exist;
 ///   - kFileUnsupported  another ending, or lengths in an unknown unit;
-///   - kFileCorrupt      not of its format, no landmark, one without a name, or two with the same
-///                       name.
+///   - kFileCorrupt      not of its format, or landmarks that checked_landmarks() rejects.
 [[nodiscard]] Result<plan::Landmarks> read_landmarks(const std::filesystem::path& file);
 
 /// Checks names and coordinates of landmarks.
 ///
 /// \param landmarks  to check.
 /// \returns the landmarks; or kFileCorrupt if there is none, a name is empty, repeated or has
-///   control characters, or a point is more than 100 m from the origin.
+///   control characters, or a coordinate is beyond +-100 m.
 [[nodiscard]] Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks);
 
 /// Reads landmarks from the text of a CSV.

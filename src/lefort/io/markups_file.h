@@ -19,7 +19,7 @@ struct MarkupPlane {
   Vec3 center_L;
   Vec3 normal_L;  ///< Unit length.
   Vec3 across_L;  ///< Along the width; unit length, orthogonal to the normal.
-  double width_mm = 0.0, height_mm = 0.0;  ///< 0 if the file does not contain it.
+  double width_mm = 0.0, height_mm = 0.0;  ///< 0 if missing in the file.
 };
 
 /// One node of Slicer's Markups module.

@@ -14,7 +14,7 @@ namespace lefort::io {
 /// computation.
 ///
 /// \param folder  path of the folder.
-/// \returns nothing, or kFileUnwritable; then a folder that was created is removed.
+/// \returns nothing, or kFileUnwritable; a folder that this call created is then removed.
 [[nodiscard]] Result<void> make_output_folder(const std::filesystem::path& folder);
 
 /// Removes empty folders after a failure: the destructor removes those on the path to `folder` that

@@ -41,40 +41,42 @@ struct PlanText {
 
 /// A plan whose landmarks are "auto".
 struct PlanForLandmarks {
-  PlanFile plan;     ///< Without landmarks, segments and options that depend on them.
-  std::string json;  ///< As it was read.
+  PlanFile plan;     ///< Only title, scan, labels and segmentation options.
+  std::string json;  ///< Text of the file.
 };
 
-/// \returns the plan if its landmarks are "auto", nothing if they are not; or what read_plan()
-///   returns.
+/// \returns the plan if its landmarks are "auto", nothing if they are not; or kFileNotFound,
+///   kFileCorrupt or kPlanInvalid as read_plan().
 [[nodiscard]] Result<std::optional<PlanForLandmarks>> read_plan_for_landmarks(
     const std::filesystem::path& file);
 
 /// The plan with the given landmarks in place of "auto".
 ///
-/// \param file  the plan, for messages and relative paths.
-/// \returns as read_plan_text().
+/// \param open       the plan with "auto".
+/// \param landmarks  of the scan.
+/// \param file       the plan, for messages and relative paths.
+/// \returns as read_plan_text(); the text of the result contains the landmarks.
 [[nodiscard]] Result<PlanText> with_landmarks(const PlanForLandmarks& open,
                                               const plan::Landmarks& landmarks,
                                               const std::filesystem::path& file);
 
 /// Reads and checks a plan. Landmarks must not be "auto" (read_plan_for_landmarks()).
 ///
-/// Files that the plan names (landmarks, targets, transforms, curves) are also read.
+/// Files that the plan names (landmarks, targets, transforms, planes, curves) are also read, except
+/// the scan and labels.
 ///
-/// \returns the plan; or kFileNotFound; what reading a named file returns; kPlanInvalid with the
-///   key and the error, for example `tissue: unknown key "color"`. A key that occurs twice in an
-///   object is an error, because parsers differ on it.
+/// \returns the plan; kFileNotFound; kFileCorrupt if the file is larger than 4 MiB; the errors of
+///   reading a named file; or kPlanInvalid with the key and the error, for example `tissue: unknown
+///   key "color"`. A key that occurs twice in an object is an error, because parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);
 
-/// The same from text; relative paths are taken from `folder`.
+/// As read_plan() from text; relative paths are taken from `folder`.
 [[nodiscard]] Result<PlanFile> parse_plan(std::string_view json,
                                           const std::filesystem::path& folder);
 
-/// The text of a plan with new names for its deprecated keys; the same text if it has none.
-///
-/// \returns kPlanInvalid if it is not JSON, or has a key under both names.
+/// Returns the text of a plan with new names for its deprecated keys and values; unchanged text if
+/// the plan has none. kPlanInvalid if the text is not JSON, or has a key under both names.
 [[nodiscard]] Result<std::string> rename_plan_keys(std::string_view json);
 
 }  // namespace lefort::io

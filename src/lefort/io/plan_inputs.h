@@ -14,10 +14,10 @@ namespace lefort::io {
 
 /// Returns the path of the scan: `given`, or else the one in the plan.
 ///
-/// \param plan_file  path of the plan; paths in the plan are relative to its folder.
+/// \param plan_file  path of the plan, for the message.
 /// \param plan       the plan.
 /// \param given      path from the command line.
-/// \returns the path, kPlanInvalid if neither contains one, or kFileNotFound.
+/// \returns the path, kPlanInvalid if neither is there, or kFileNotFound.
 [[nodiscard]] Result<std::filesystem::path> scan_of(
     const std::filesystem::path& plan_file, const PlanFile& plan,
     const std::optional<std::filesystem::path>& given);
@@ -29,7 +29,7 @@ struct InputFile {
   bool operator==(const InputFile&) const = default;
 };
 
-/// Returns the files of a plan other than the scan, relative to the folder of the plan.
+/// Returns the files of a plan other than the scan, with their names in the plan.
 ///
 /// \param text  of a valid plan.
 [[nodiscard]] std::vector<std::string> files_of_plan(const std::string& text);

@@ -18,7 +18,7 @@ inline constexpr int kPredictionVersion = 2;
 /// Checks the format version of a prediction.
 ///
 /// \param document  prediction.json or failure.json.
-/// \returns nothing, or kFileUnsupported if another version of the program wrote the document.
+/// \returns nothing, or kFileUnsupported if the document states another version.
 [[nodiscard]] Result<void> check_prediction_version(const nlohmann::json& document);
 
 struct SegmentPose {

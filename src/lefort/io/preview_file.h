@@ -32,7 +32,7 @@ struct PreviewDistance {
 /// Compares a preview with the full solution.
 ///
 /// \param preview_mm  displacement of each vertex in the preview.
-/// \param before_L    vertices of the skin before surgery; as many.
+/// \param before_L    vertices of the skin before surgery, as many as in `preview_mm`.
 /// \param after_L     the same vertices in the full solution.
 [[nodiscard]] PreviewDistance measure_preview(std::span<const Vec3> preview_mm,
                                               std::span<const Vec3> before_L,

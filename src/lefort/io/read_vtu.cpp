@@ -228,7 +228,7 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
   if (mesh.blocks.empty())
     return tl::unexpected(corrupt_vtu("there are no elements, expected some"));
   for (mesh::ElementBlock& block : mesh.blocks)
-    if (mesh::corner_count(block.shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
+    if (mesh::corner_count(block.shape) == 6) internal::renumber_wedges(block, mesh.nodes_L);
   for (auto& [name, faces] : mesh.face_sets) {
     auto attached = mesh::match_faces_to_elements(mesh, faces);
     if (!attached)

@@ -13,17 +13,17 @@
 namespace lefort::io {
 
 /// Reads nodes, elements, their regions, and node and face sets as described in vtu.h. Elements of
-/// one shape form one block, in the order of their first element. Faces in no set form the face set
-/// "region N" of their region. A boundary face is oriented by its element, so that its normal
-/// points outward; a face between two elements has the orientation in the file. Other fields are
-/// ignored.
+/// one shape form one block; blocks are in the order of their first elements. Faces in no set form
+/// the face set "region N", where N is their region. A boundary face is oriented by its element, so
+/// that its normal points outward; a face between two elements has the orientation in the file.
+/// Point and line cells and other fields are ignored.
 ///
 /// Both numberings of wedges are read (internal/wedge_order.h).
 ///
 /// \param file     with at least one element; little-endian, uncompressed or zlib.
-/// \param regions  the cell array of region numbers; if empty, "region" if it exists, else all are
-///   0.
-/// \returns the mesh, in frame L and mm as it was written, or
+/// \param regions  the cell array of region numbers; if empty, "region" if it exists, else all
+///   regions are 0.
+/// \returns the mesh, with the coordinates of the file, which count as mm in frame L, or
 ///   - kFileNotFound     the file does not exist;
 ///   - kFileCorrupt      not a complete VTU, no element, a missing node, a coordinate that is not
 ///                       finite, a set array with other numbers than 0 and 1, no array `regions`,

@@ -27,8 +27,8 @@ namespace lefort::io {
 ///
 /// Segments are matched to tissues by name, ignoring case, else by the type in their terminology; a
 /// name with the word muscle, such as left_masseter_muscle, is muscle. Label values and layers are
-/// arbitrary. Where segments of several layers overlap, the higher layer takes precedence; but
-/// muscle, being part of the soft tissue, takes precedence over soft tissue only, in any layer.
+/// arbitrary. Where segments overlap, the higher layer takes precedence. Muscle is the exception:
+/// in any layer, it takes precedence over soft tissue, of which it is part, and over nothing else.
 /// Voxels of no segment, or of a segment without a tissue name, are background. Slicer crops files:
 /// see the other overload.
 ///
@@ -46,7 +46,8 @@ namespace lefort::io {
 /// \param progress  receives notes: segments without a tissue name, and the fraction of labeled
 ///   voxels outside the scan.
 /// \returns as above; also kFileCorrupt if the voxels of the file do not coincide with voxels of
-///   `grid`, or no labeled voxel is inside it, since the file then belongs to another scan.
+///   `grid`, or no labeled voxel is inside `grid`, since the file then belongs to another scan; or
+///   kCancelled.
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());

@@ -1,5 +1,5 @@
 /// \file
-/// Hashes of inputs. Results contain the hashes of their inputs, and cache keys are made of them.
+/// Hashes of inputs, which are stored in results and used as keys of caches.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>

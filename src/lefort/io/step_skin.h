@@ -16,7 +16,8 @@ class StepSkin {
  public:
   /// \param folder      output of predict_case(), with prediction.json.
   /// \param spacing_mm  of the scan.
-  /// \returns the object, kFileNotFound or kFileCorrupt.
+  /// \returns the object, kFileCorrupt if prediction.json is damaged, or the errors of read_text(),
+  ///   read_surface() and read_vtu().
   [[nodiscard]] static Result<StepSkin> read(const std::filesystem::path& folder,
                                              const Vec3& spacing_mm);
 

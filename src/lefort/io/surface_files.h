@@ -21,8 +21,8 @@ struct VertexArray {
 
 /// Reads a surface in the format of the ending: .vtp, .stl (text or binary), .ply, .obj.
 ///
-/// Polygons are triangulated, repeated corners of an STL are merged, triangles with a repeated
-/// corner and vertices without a triangle are removed. The surface may be open; a caller that needs
+/// Polygons are triangulated, equal points of an STL are merged, triangles with two equal corners
+/// and vertices without a triangle are removed. The surface may be open; a caller that needs
 /// a closed one must check. Coordinates are in LPS unless the file contains the comment `SPACE=RAS`
 /// of 3D Slicer; then they are converted.
 ///
@@ -40,7 +40,8 @@ struct VertexArray {
 /// \param mesh_L  vertices in frame L [mm].
 /// \param arrays  with one value per vertex; for VTP only.
 /// \returns nothing, or
-///   - kInvalidArgument  the length of an array is not the number of vertices, or not a VTP;
+///   - kInvalidArgument  the length of an array is not the number of vertices, or there are arrays
+///                       and the file is not a VTP;
 ///   - kFileUnsupported  another ending;
 ///   - kFileUnwritable   see write_atomically().
 /// \note Equal meshes give equal bytes: no time, user or program version is stored.

@@ -2,8 +2,8 @@
 /// Rigid motions in ITK's text transforms `.tfm` (also `.txt`), as saved by 3D Slicer.
 ///
 /// Such a file contains the *resampling* direction in LPS, from the final to the initial position
-/// of a point: the inverse of the motion of a model in Slicer. Reading and writing invert it, so
-/// that a bone moves in lefort as in Slicer.
+/// of a point: the inverse of the motion of a model in Slicer. Reading and writing invert the
+/// transform, so that a bone moves in lefort as in Slicer.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,8 +17,8 @@ namespace lefort::io {
 
 /// Reads one transform.
 ///
-/// The center of rotation in the file is not used, since Slicer always writes the origin of the
-/// scan.
+/// The result includes the effect of the center of rotation in the file. The center is not
+/// returned, since Slicer always writes the origin of L.
 ///
 /// \param file  the transform.
 /// \returns X_LB, or
@@ -26,8 +26,8 @@ namespace lefort::io {
 ///   - kFileCorrupt      not of the format, truncated, or a number is not finite;
 ///   - kFileUnsupported  several transforms, another type than AffineTransform,
 ///                       MatrixOffsetTransformBase, VersorRigid3DTransform and
-///                       TranslationTransform, or a matrix that differs from a rotation by more
-///                       than 1e-4.
+///                       TranslationTransform; a matrix R with a negative determinant or an
+///                       entry of R^T R - I above 1e-4; or a translation beyond 100 m.
 [[nodiscard]] Result<RigidTransform> read_transform(const std::filesystem::path& file);
 
 /// As above from text; messages contain no file name.

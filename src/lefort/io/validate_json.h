@@ -15,7 +15,7 @@ namespace lefort::io {
 /// \param schema   JSON Schema, draft 7, in JSON.
 /// \param subject  name of the document in messages.
 /// \returns nothing, or kPlanInvalid with the key and its error, as `tissue: unknown key "color"`.
-///   Repeated keys in an object and deep nesting are errors.
+///   Repeated keys in an object, deep nesting and more than a million values are errors.
 [[nodiscard]] Result<void> validate_json(std::string_view text, const std::string& schema,
                                          const std::string& subject);
 

@@ -20,7 +20,7 @@ namespace lefort::io {
 /// NIfTI files, which are in RAS, and NRRD files in RAS or LPS are converted to frame L. Files with
 /// a missing or inconsistent orientation, files that are not in mm, NRRD files in other spaces, and
 /// NIfTI files with voxels that are not finite are rejected. The voxels of .nhdr and .mhd must be
-/// in one file in the same folder.
+/// in one file in the folder of the header.
 ///
 /// \param file      the volume.
 /// \param progress  stage, requests to stop.

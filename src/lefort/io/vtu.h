@@ -4,8 +4,8 @@
 /// A set is an array named "set:NAME" with 1 for its members and 0 for all others: a node array for
 /// a node set, a cell array for a face set. The faces of face sets are two-dimensional cells
 /// (triangle, quad, quadratic triangle, quadratic quad) after the elements; the elements are 0 in
-/// such an array. In ParaView, create one with the Calculator (point or cell data) and the result
-/// name "set:NAME".
+/// such an array. In ParaView, the Calculator (point or cell data) creates such an array with the
+/// result name "set:NAME".
 ///
 /// Raw appended binary with 64-bit lengths, little-endian, uncompressed: equal meshes give equal
 /// bytes. Format: VTK user's guide, "VTK XML file formats".
@@ -38,8 +38,8 @@ struct VtuFields {
   std::vector<VtuArray> elements{};  ///< Block after block.
 };
 
-/// Whether a file contains the faces of the face sets. They hide fields in ParaView, since they
-/// coincide with faces of elements.
+/// Whether a file contains the face sets. Their faces hide fields in ParaView, since they coincide
+/// with faces of elements.
 enum class VtuFaces { kLeaveOut, kWrite };
 
 /// Writes the mesh in its reference configuration. To show it deformed, add the displacement as a
@@ -52,7 +52,8 @@ enum class VtuFaces { kLeaveOut, kWrite };
 /// \param faces   whether the faces of face sets are written.
 /// \returns nothing, or
 ///   - kMeshInvalid      an element or set refers to a missing node, or a block has a wrong length;
-///   - kInvalidArgument  a field has a wrong length, or an empty, repeated or unprintable name;
+///   - kInvalidArgument  a field has a wrong length or number of components, or a field or set has
+///                       an empty, repeated or unprintable name;
 ///   - kFileUnwritable.
 [[nodiscard]] Result<void> write_vtu(const std::filesystem::path& target,
                                      const mesh::VolumeMesh& mesh, const VtuFields& fields = {},

@@ -12,12 +12,14 @@
 namespace lefort::pipeline {
 
 struct CompareJob {
-  std::filesystem::path face;                      ///< A surface, or the folder of a prediction.
-  std::optional<std::filesystem::path> other;      ///< The other face; as `face`.
-  std::optional<std::filesystem::path> after_ct;   ///< Scan after surgery; `other` is not used.
-  std::optional<std::filesystem::path> before;     ///< The skin before surgery, for the baseline.
-  std::optional<std::filesystem::path> landmarks;  ///< Before surgery; they define the regions.
-  std::filesystem::path output;                    ///< A folder; made if missing.
+  std::filesystem::path face;                     ///< A surface, or the folder of a prediction.
+  std::optional<std::filesystem::path> other;     ///< The other face; as `face`.
+  std::optional<std::filesystem::path> after_ct;  ///< Scan after surgery; `other` is not used.
+  /// The skin before surgery, for the baseline; default: that of the prediction `face`.
+  std::optional<std::filesystem::path> before;
+  /// Before surgery; they define the regions. Default: those of the plan of the prediction `face`.
+  std::optional<std::filesystem::path> landmarks;
+  std::filesystem::path output;  ///< A folder; made if missing.
   bool pictures = true;
 };
 
@@ -26,9 +28,12 @@ struct CompareJob {
 ///
 /// \returns the summary, or
 ///   - kInvalidArgument  there is nothing to compare with, `face` is not the folder of a finished
-///     prediction where one is needed, or no point has a counterpart within 20 mm;
-///   - kFileNotFound, kFileUnsupported, kFileCorrupt, kMeshInvalid  from reading the surfaces;
-///   - what find_surgery() returns (pipeline/compare/register_after_surgery.h);
+///     prediction where one is needed, an input is one of the files to be written, or no point has
+///     a counterpart within 20 mm;
+///   - kFileNotFound, kFileUnsupported, kFileCorrupt, kMeshInvalid  from reading surfaces and
+///     landmarks;
+///   - kPlanInvalid      the plan of the prediction `face` is invalid;
+///   - the errors of find_surgery() (pipeline/compare/register_after_surgery.h);
 ///   - kFileUnwritable   a result cannot be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> compare_faces(const CompareJob& job, Progress& progress);

@@ -32,7 +32,7 @@ struct BuildFieldJob {
 
 struct QueryFieldJob {
   std::filesystem::path field;
-  /// Text: x, y, z [mm] in frame B a line, separated by commas or spaces.
+  /// Text, one point per line: x, y, z [mm] in frame B, separated by commas or spaces.
   std::filesystem::path points;
   std::filesystem::path output;  ///< CSV.
   bool smooth = false;           ///< Smooth interpolation.
@@ -51,7 +51,7 @@ struct QueryFieldJob {
 struct ExportFieldJob {
   std::filesystem::path field;
   std::filesystem::path output;   ///< .vdb or .nrrd.
-  std::vector<double> region_mm;  ///< Empty, or from and to along x, y and z.
+  std::vector<double> region_mm;  ///< Empty, or six limits: from and to along x, y and z.
   int every = 1;                  ///< Every n-th sample along each axis.
 };
 
@@ -68,10 +68,10 @@ struct SliceFieldJob {
   std::filesystem::path field;
   std::filesystem::path output;               ///< .png.
   int axis = 2;                               ///< Normal of the plane: 0 x, 1 y, 2 z.
-  double at_mm = 0.0;                         ///< Coordinate of the plane along it.
+  double at_mm = 0.0;                         ///< Coordinate of the plane along its normal.
   int width_px = 1200;                        ///< Width of the picture; > 0.
   std::optional<int> every;                   ///< Instead of width_px: cells per pixel.
-  std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
+  std::vector<double> region_mm;              ///< As ExportFieldJob::region_mm.
   std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn.
   bool smooth = false;                        ///< Smooth interpolation.
 };

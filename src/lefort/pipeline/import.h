@@ -13,7 +13,7 @@ namespace lefort::pipeline {
 
 struct ImportJob {
   std::filesystem::path source;    ///< A file, a DICOM folder, or the address of a study.
-  std::filesystem::path output;    ///< .nrrd, .nii.gz or .mha.
+  std::filesystem::path output;    ///< .nrrd, .nii.gz, .nii or .mha.
   int series = 0;                  ///< Of a DICOM folder or study; 0: the only CT.
   std::string user{}, password{};  ///< Of a DICOMweb server, unless they are in its address.
 };

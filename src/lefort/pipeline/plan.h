@@ -18,7 +18,7 @@ struct LandmarksJob {
   std::optional<std::filesystem::path> labels;  ///< Of that scan; segmented unless given.
   std::optional<std::filesystem::path> after;   ///< As `before`.
   std::optional<std::filesystem::path> output;  ///< .csv: the measurements.
-  /// .mrk.json or .csv: a copy of the landmarks of `after`; without `after`, of `before`.
+  /// .mrk.json or .csv: a copy of the landmarks of `after`; without it, of `before` or `find`.
   std::optional<std::filesystem::path> save;
 };
 
@@ -31,6 +31,7 @@ struct LandmarksJob {
 ///   - kFileUnsupported  another ending, or lengths in an unknown unit;
 ///   - kFileCorrupt      a file is not of its format, or a name is missing or repeated;
 ///   - kPlanInvalid      right and left landmarks are exchanged;
+///   - the errors of scan_labels() and find_head_landmarks(), with `find`;
 ///   - kFileUnwritable   an output cannot be written.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
@@ -55,8 +56,8 @@ struct PlanCheckSummary {
 /// \returns the summary, or
 ///   - kFileNotFound     plan, scan or skull does not exist;
 ///   - kPlanInvalid      the plan is invalid or names no scan, or as plan::cut_segments();
-///   - kInvalidArgument  an input is one of the files to be written, or an option of the cut lies
-///     outside its range;
+///   - kInvalidArgument  an input is a file that an earlier check has written, or an option of the
+///     cut lies outside its range;
 ///   - kFileUnsupported, kFileCorrupt, kAnatomyMissing  from reading the scan and its labels, and
 ///     from anatomy::segment_tissue();
 ///   - kMeshInvalid, kCutMissesBone, kMeshingFailed  from plan::cut_segments();
@@ -71,10 +72,11 @@ struct CutJob {
   std::filesystem::path output;  ///< A folder; made if missing.
 };
 
-/// Writes the bones of a plan at their scanned pose, with distance fields, so that the planner can
-/// move them. cut.json, which is written last, names the files.
+/// Writes the bones of a plan at their scanned pose, and their distance fields into the cache, so
+/// that the planner can move the bones. cut.json, which is written last, names the files.
 ///
-/// \returns the summary, or the errors of check_plan_file() except that of its inputs.
+/// \returns the summary; the errors of io::read_plan(), scan_head(), plan::cut_segments() and
+///   find_field(); or kFileUnwritable.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
 
 struct PreviewJob {
@@ -89,9 +91,9 @@ struct PreviewJob {
 /// is written last.
 ///
 /// \returns the summary, or
-///   - what io::read_plan_text(), io::read_surface() and prepare_case() return;
+///   - the errors of io::read_plan_text(), io::read_surface() and prepare_case();
 ///   - kPlanInvalid     the skin was made with other thresholds or labels than the plan's;
-///   - what predict::make_preview_model() returns;
+///   - the errors of predict::make_preview_model();
 ///   - kFileUnwritable  a result cannot be written.
 [[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 

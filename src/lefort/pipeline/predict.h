@@ -21,9 +21,10 @@ struct PredictJob {
   /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
   /// (interface_sensitivity.h).
   bool sensitivity = true;
-  /// Called after each converged step with the number of steps of the path; may be empty.
+  /// Called after each converged step, also those of an interrupted run, with the number of steps
+  /// of the path; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
-  /// The same after each Newton iteration.
+  /// As `on_step`, after each Newton iteration.
   std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
 
@@ -33,8 +34,8 @@ struct PredictJob {
 ///   - kFileNotFound    plan or scan does not exist;
 ///   - kPlanInvalid     the plan is invalid or names no scan, or a file that it names was changed
 ///     during the run;
-///   - what prepare_case() and predict::predict_face() return;
-///   - kNotConverged    a path was not followed to its end: failure.json has the solver's history;
+///   - the errors of prepare_case() and predict::predict_face();
+///   - kNotConverged    the solver did not reach the end of the path: failure.json has its history;
 ///   - kFileUnwritable  a result cannot be written;
 ///   - kCancelled       `progress` requested a stop.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);

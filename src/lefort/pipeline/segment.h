@@ -22,11 +22,12 @@ struct SegmentJob {
   std::optional<std::filesystem::path> labels;  ///< Used instead of a segmentation.
 };
 
-/// Segments a scan; writes labels.seg.nrrd, skull.vtp and skin.vtp, in frame L [mm].
+/// Reduces metal streaks and segments a scan; writes labels.seg.nrrd, teeth.seg.nrrd, skull.vtp and
+/// skin.vtp, in frame L [mm].
 ///
 /// \returns the summary, or
-///   - what io::import_volume() returns;
-///   - with `labels`, what io::read_segmentation() returns;
+///   - the errors of io::import_volume();
+///   - the errors of io::read_segmentation(), with `labels`;
 ///   - kAnatomyMissing   the scan is empty or constant, or contains no skin or no bone;
 ///   - kInvalidArgument  an option is out of range, or the scan is too large for the memory limit;
 ///   - kMeshInvalid      no surface of bone or skin was found;

@@ -28,7 +28,7 @@ struct SolveJob {
 ///   - kMeshInvalid, kElementInverted  from solve::prepare_deck(), or an obstacle is open;
 ///   - kInvalidArgument  a constant of a law or field is out of range, an obstacle overlaps its
 ///     faces too deeply, or `detection: bvh` is used with a .field;
-///   - kNotConverged, kOutOfMemory  why time 1 was not reached;
+///   - kNotConverged, kOutOfMemory  the solve ended before time 1;
 ///   - kFileUnwritable   a result would overwrite an input or a file of another program, or cannot
 ///     be written;
 ///   - kCancelled        `progress` requested a stop.

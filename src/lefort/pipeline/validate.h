@@ -20,7 +20,7 @@ struct ValidateJob {
   /// Movements found in the bone after surgery, instead of those of the plans.
   bool achieved_movements = false;
   std::optional<double> element_size_mm{};  ///< Instead of the plans'; > 0.
-  double voxel_mm = 1.0;                    ///< Of cases that are known as surfaces; > 0.
+  double voxel_mm = 1.0;                    ///< Of scans made of cases with surfaces only; > 0.
   bool pictures = true;
 };
 
@@ -30,18 +30,19 @@ struct ValidateJob {
 ///
 /// \returns the summary; or
 ///   - kFileNotFound     the cohort does not exist;
-///   - kInvalidArgument  it has no case, or the output is inside it;
+///   - kInvalidArgument  the cohort has no case, or one of cohort and output contains the other;
 ///   - kFileUnwritable   a result could not be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> validate_cohort(const ValidateJob& job, Progress& progress);
 
 struct CalibrateJob {
-  std::filesystem::path cohort;  ///< As for ValidateJob.
-  std::filesystem::path output;  ///< A folder; created if missing. Not inside the cohort.
-  bool achieved_movements = false;
-  std::vector<std::string> parameters{};    ///< Names; empty: default_parameters().
-  std::optional<double> element_size_mm{};  ///< Default: 4, or that of the plan if it is larger.
-  double voxel_mm = 1.0;
+  std::filesystem::path cohort;           ///< As for ValidateJob.
+  std::filesystem::path output;           ///< A folder; created if missing. Not inside the cohort.
+  bool achieved_movements = false;        ///< As for ValidateJob.
+  std::vector<std::string> parameters{};  ///< Names; empty: default_parameters().
+  /// Default: 4 mm, or the element size of the plan if that is larger.
+  std::optional<double> element_size_mm{};
+  double voxel_mm = 1.0;   ///< As for ValidateJob.
   int max_iterations = 8;  ///< Of each fit; >= 1.
 };
 
@@ -54,7 +55,7 @@ struct CalibrateJob {
 [[nodiscard]] Result<Summary> calibrate_cohort(const CalibrateJob& job, Progress& progress);
 
 struct PhantomCohortJob {
-  std::filesystem::path output;  ///< A folder; created if missing, empty.
+  std::filesystem::path output;  ///< A folder; created if missing; must be empty.
   int cases = 10;                ///< >= 1.
   double voxel_mm = 2.0;         ///< Of the scans; > 0.
   double noise_hu = 12.0;        ///< Standard deviation of the noise of the scans.
@@ -68,7 +69,7 @@ struct PhantomCohortJob {
 ///
 /// \returns the summary, or
 ///   - kFileUnwritable  the output is not empty, or a file cannot be written;
-///   - what prepare_case() and predict::predict_face() return, kNotConverged, or kCancelled.
+///   - the errors of prepare_case() and predict::predict_face(), kNotConverged, or kCancelled.
 [[nodiscard]] Result<Summary> make_phantom_cohort(const PhantomCohortJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -30,7 +30,7 @@ struct ConvergenceJob {
 /// \returns the table, or
 ///   - kInvalidArgument  a method has another name than those of bench::contact_methods();
 ///   - kFileNotFound     a plan has no scan, or the scan does not exist;
-///   - what io::read_plan_text(), prepare_case() and predict::predict_face() return;
+///   - the errors of io::read_plan_text(), prepare_case() and predict::predict_face();
 ///   - kFileUnwritable   a result cannot be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
@@ -46,6 +46,9 @@ struct LandmarkBenchJob {
 };
 /// Distances between found and true landmarks of heads of random shape
 /// (anatomy/parametric_head.h).
+///
+/// \returns the table; kInvalidArgument if `output` does not end in .csv; the errors of
+///   find_head_landmarks(); or kFileUnwritable.
 [[nodiscard]] Result<Summary> bench_landmarks(const LandmarkBenchJob& job, Progress& progress);
 
 struct VerifyJob {
@@ -63,8 +66,8 @@ struct VerifySummary {
 ///
 /// \returns the summary, whether or not checks failed; or
 ///   - kInvalidArgument  there is no case named `only`;
-///   - kFileUnwritable   the folder contains a full report and this run is not full, or a file
-///     cannot be written;
+///   - kFileUnwritable   the folder contains a full report and this run is not full or has `only`,
+///     or a file cannot be written;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress);
 

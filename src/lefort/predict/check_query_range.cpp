@@ -44,7 +44,7 @@ Result<void> check_query_range_of(const geometry::RigidPath& path,
 
 }  // namespace
 
-Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
+Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
     const ContactBone& segment, contact::DetectionMethod detection) {
   if (detection != contact::DetectionMethod::kBvh)
     return contact::field_distance_query(
@@ -54,11 +54,11 @@ Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
                                      segment.field_B->band_mm());
 }
 
-Result<DistanceQueries> segment_distance_queries(const std::vector<ContactBone>& segments,
+Result<DistanceQueries> bone_distance_queries(const std::vector<ContactBone>& segments,
                                                  contact::DetectionMethod detection) {
   DistanceQueries distance_queries_B;
   for (const ContactBone& segment : segments) {
-    LEFORT_TRY(auto distance_query_B, segment_distance_query(segment, detection));
+    LEFORT_TRY(auto distance_query_B, bone_distance_query(segment, detection));
     distance_queries_B.push_back(std::move(distance_query_B));
   }
   return distance_queries_B;
@@ -82,7 +82,7 @@ Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                const BoundaryOptions& boundary) {
   LEFORT_CHECK(paths.size() == segments.size());
   LEFORT_TRY(const DistanceQueries distance_queries_B,
-             segment_distance_queries(segments, detection));
+             bone_distance_queries(segments, detection));
   return check_query_range(paths, segments, distance_queries_B, boundary);
 }
 

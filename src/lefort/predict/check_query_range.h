@@ -22,11 +22,11 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// \param segment    its surface and field.
 /// \param detection  the method of the query.
 /// \returns as contact::field_distance_query().
-[[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
+[[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
     const ContactBone& segment, contact::DetectionMethod detection);
 
-/// segment_distance_query() of each segment.
-[[nodiscard]] Result<DistanceQueries> segment_distance_queries(
+/// bone_distance_query() of each segment.
+[[nodiscard]] Result<DistanceQueries> bone_distance_queries(
     const std::vector<ContactBone>& segments, contact::DetectionMethod detection);
 
 /// Checks that distance queries of the segments suffice for contact along the paths. Checks nothing
@@ -46,7 +46,7 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
                                              const DistanceQueries& distance_queries_B,
                                              const BoundaryOptions& boundary);
 
-/// The same for queries made by `detection`; or what segment_distance_queries() returns.
+/// The same for queries made by `detection`; or what bone_distance_queries() returns.
 [[nodiscard]] Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                              const std::vector<ContactBone>& segments,
                                              contact::DetectionMethod detection,

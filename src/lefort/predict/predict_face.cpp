@@ -109,7 +109,7 @@ class FacePath {
   void add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
                    const std::string& name, const std::vector<mesh::Face>& faces);
   void add_weighted_contacts(const std::vector<contact::RigidObstacle>& bones);
-  [[nodiscard]] contact::MortarContactTerm::Options weighted_options() const;
+  [[nodiscard]] contact::WeightedContactTerm::Options weighted_options() const;
   void note_rest_penetration(double inside_mm, const std::string& bone);
   void add_supports(const std::vector<contact::RigidObstacle>& bones);
   [[nodiscard]] Result<void> make_assembler();
@@ -159,7 +159,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
   LEFORT_CHECK(paths.size() == model.segments.size());
   for (const geometry::RigidPath& path : paths) LEFORT_TRY_VOID(geometry::check_path(path));
   LEFORT_TRY(const DistanceQueries distance_queries_B,
-             segment_distance_queries(model.segments, options.contact.detection));
+             bone_distance_queries(model.segments, options.contact.detection));
   LEFORT_TRY_VOID(check_query_range(paths, model.segments, distance_queries_B, options.boundary));
   std::unique_ptr<FacePath> path(new FacePath(model, paths, options, watch, progress));
   path->bonded_ =
@@ -193,7 +193,7 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   if (needs_stationary) {
     LEFORT_CHECK(model_.stationary_bone);
     LEFORT_TRY(auto distance_query_L,
-               segment_distance_query(*model_.stationary_bone, options_.contact.detection));
+               bone_distance_query(*model_.stationary_bone, options_.contact.detection));
     LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.contact_snap_mm));
     bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
   }
@@ -215,7 +215,7 @@ Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   return {};
 }
 
-contact::MortarContactTerm::Options FacePath::weighted_options() const {
+contact::WeightedContactTerm::Options FacePath::weighted_options() const {
   return {.stiffness_mpa_per_mm = prediction_.contact_stiffness_mpa_per_mm,
           .contact_snap_mm = options_.boundary.contact_snap_mm,
           .has_sharp_points = false};
@@ -273,11 +273,11 @@ Result<void> FacePath::make_assembler() {
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements_) terms.push_back(term.get());
   for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
-  for (const contact::MortarContactTerm* weighted : weighted_.terms()) terms.push_back(weighted);
+  for (const contact::WeightedContactTerm* weighted : weighted_.terms()) terms.push_back(weighted);
   for (const auto* supports : {&segment_supports_, &stationary_supports_})
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
-  if (model_.lips.is_open())
+  if (model_.lips.is_separated())
     terms.push_back(&lips_.emplace(
         model_.lips.pairs, contact_stiffness_mpa_per_mm(options_.tissue, options_.contact)));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),

@@ -1,4 +1,4 @@
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/predict/prediction_options.h>
 
 namespace lefort::predict {
@@ -7,8 +7,8 @@ double stiffness_factor(const ContactOptions& contact, const TissueOptions& tiss
   constexpr double kByPenalty = 10.0, kByMultipliers = 160.0;
   if (contact.stiffness_factor) return *contact.stiffness_factor;
   if (contact.integration == contact::Integration::kWeighted)
-    return contact::mortar_stiffness_mpa_per_mm(
-               1.0, contact.penetration_tolerance_mm.value_or(contact::kMortarTolerance_mm)) *
+    return contact::weighted_stiffness_mpa_per_mm(
+               1.0, contact.penetration_tolerance_mm.value_or(contact::kWeightedTolerance_mm)) *
            tissue.element_size_mm;
   return contact.penetration_tolerance_mm ? kByMultipliers : kByPenalty;
 }

@@ -136,7 +136,7 @@ struct ContactOptions {
 /// The factor in k_c: that of `contact`, else 10, or 160 with a penetration tolerance. With 160 the
 /// augmented Lagrangian needs fewer Newton iterations, 370 instead of 631 on one path
 /// (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the stiffness of
-/// contact::mortar_stiffness_mpa_per_mm().
+/// contact::weighted_stiffness_mpa_per_mm().
 [[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);
 
 struct SolverOptions {

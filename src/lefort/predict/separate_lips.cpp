@@ -58,7 +58,7 @@ TissueWithLips separate_lips(mesh::VolumeMesh tissue, const TissueDomain& domain
 }
 
 std::string describe(const LipSlit& lips) {
-  if (!lips.is_open()) return fmt::format("lips: not separated: {}", lips.reason);
+  if (!lips.is_separated()) return fmt::format("lips: not separated: {}", lips.reason);
   const OralFissure& fissure = *lips.fissure;
   return fmt::format(
       "lips: separated over {:.0f} mm and {:.0f} mm2, {} pairs of nodes; height by {}, crease "

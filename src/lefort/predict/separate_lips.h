@@ -35,7 +35,7 @@ struct LipSlit {
   double area_mm2 = 0.0;               ///< Of one lip.
   double rms_distance_mm = 0.0;        ///< Of the mesh from the surface of the fissure.
 
-  [[nodiscard]] bool is_open() const { return !pairs.empty(); }
+  [[nodiscard]] bool is_separated() const { return !pairs.empty(); }
 };
 
 /// A mesh and its lips.

@@ -4,9 +4,9 @@
 
 namespace lefort::predict {
 
-SkinDisplacement measure_skin_displacement(std::span<const Vec3> displacement_mm) {
+SkinDisplacementStatistics measure_skin_displacement(std::span<const Vec3> displacement_mm) {
   constexpr double kMoved_mm = 0.5;
-  SkinDisplacement skin;
+  SkinDisplacementStatistics skin;
   Index moved = 0;
   for (const Vec3& u : displacement_mm) {
     const double length_mm = u.norm();

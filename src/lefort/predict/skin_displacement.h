@@ -8,12 +8,12 @@
 
 namespace lefort::predict {
 
-struct SkinDisplacement {
+struct SkinDisplacementStatistics {
   double max_mm = 0.0;              ///< 0 without vertices.
   double mean_over_moved_mm = 0.0;  ///< Over vertices displaced by more than 0.5 mm; 0 if none.
 };
 
 /// \param displacement_mm  of every vertex of the skin.
-[[nodiscard]] SkinDisplacement measure_skin_displacement(std::span<const Vec3> displacement_mm);
+[[nodiscard]] SkinDisplacementStatistics measure_skin_displacement(std::span<const Vec3> displacement_mm);
 
 }  // namespace lefort::predict

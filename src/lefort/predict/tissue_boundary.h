@@ -22,7 +22,7 @@ namespace sets {
 inline constexpr const char* kMobilizedSegment = "mobilized_segment";  ///< On a segment.
 inline constexpr const char* kStationaryBone = "stationary_bone";      ///< On stationary bone.
 inline constexpr const char* kCut = "cut";                 ///< Where the meshed region ends.
-inline constexpr const char* kScanBoundary = "scan_edge";  ///< Where the scan ends.
+inline constexpr const char* kScanBoundary = "scan_boundary";  ///< Where the scan ends.
 inline constexpr const char* kBrain = "brain";             ///< At the cranial cavity.
 inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
@@ -30,7 +30,7 @@ inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
 inline constexpr const char* kBonded = "bonded";    ///< Nodes that move with a segment.
 inline constexpr const char* kContact = "contact";  ///< Faces that may touch a segment.
 /// Faces that may touch stationary bone; missing if there are none.
-inline constexpr const char* kStationaryContact = "still_contact";
+inline constexpr const char* kStationaryContact = "stationary_contact";
 }  // namespace sets
 
 /// A mesh with those sets, and the condition of each boundary node.

@@ -9,7 +9,7 @@ namespace lefort::predict {
 
 void WeightedContacts::add_segments(const mesh::VolumeMesh& tissue,
                                     std::vector<contact::RigidObstacle> segments,
-                                    const contact::MortarContactTerm::Options& options) {
+                                    const contact::WeightedContactTerm::Options& options) {
   tissue_ = &tissue;
   on_segments.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact), std::move(segments),
                       options);
@@ -18,13 +18,13 @@ void WeightedContacts::add_segments(const mesh::VolumeMesh& tissue,
 void WeightedContacts::add_stationary(const mesh::VolumeMesh& tissue,
                                       const std::vector<mesh::Face>& faces,
                                       const contact::RigidObstacle& bone,
-                                      const contact::MortarContactTerm::Options& options) {
+                                      const contact::WeightedContactTerm::Options& options) {
   tissue_ = &tissue;
   on_stationary.emplace(tissue.nodes_L, faces, std::vector{bone}, options);
 }
 
-std::vector<const contact::MortarContactTerm*> WeightedContacts::terms() const {
-  std::vector<const contact::MortarContactTerm*> terms;
+std::vector<const contact::WeightedContactTerm*> WeightedContacts::terms() const {
+  std::vector<const contact::WeightedContactTerm*> terms;
   for (const auto* term : {&on_segments, &on_stationary})
     if (*term) terms.push_back(&**term);
   return terms;
@@ -39,7 +39,7 @@ double WeightedContacts::max_step_length(const VectorX& u, const VectorX& du) co
   const std::vector<Vec3> dx_L =
       contact::displaced(std::vector<Vec3>(x_L.size(), Vec3::Zero()), du);
   double length = 1.0;
-  for (const contact::MortarContactTerm* term : terms())
+  for (const contact::WeightedContactTerm* term : terms())
     length = std::min(length, term->max_step_length(x_L, dx_L));
   return length;
 }
@@ -52,10 +52,10 @@ bool WeightedContacts::allows_motion(const std::vector<RigidTransform>& from_X_L
          !(on_stationary && on_stationary->max_motion(last_L, at_rest, to_L) < 1.0);
 }
 
-VectorX WeightedContacts::carried(const std::vector<RigidTransform>& from_X_LB,
+VectorX WeightedContacts::moved_with_bones(const std::vector<RigidTransform>& from_X_LB,
                                   const std::vector<Vec3>& last_L, const VectorX& to) const {
   std::vector<Vec3> x_L = contact::displaced(tissue_->nodes_L, to);
-  if (on_segments) x_L = on_segments->carried(last_L, from_X_LB, std::move(x_L));
+  if (on_segments) x_L = on_segments->moved_with_bones(last_L, from_X_LB, std::move(x_L));
   VectorX u(3 * Index(x_L.size()));
   for (std::size_t n = 0; n < x_L.size(); ++n)
     u.segment<3>(3 * Index(n)) = x_L[n] - tissue_->nodes_L[n];
@@ -70,7 +70,7 @@ fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& fr
   const std::vector<Vec3> last_L = contact::displaced(tissue_->nodes_L, u_last);
   VectorX from = start;
   if (!allows_motion(from_X_LB, last_L, from)) {
-    from = carried(from_X_LB, last_L, from);
+    from = moved_with_bones(from_X_LB, last_L, from);
     if (!allows_motion(from_X_LB, last_L, from)) {
       fem::NewtonOutcome outcome;
       outcome.x = start;
@@ -79,7 +79,7 @@ fem::NewtonOutcome WeightedContacts::solve(const std::vector<RigidTransform>& fr
     }
   }
   set_poses(from_X_LB);
-  std::vector<contact::MortarContactTerm*> terms;
+  std::vector<contact::WeightedContactTerm*> terms;
   std::vector<contact::ActiveSet> active;
   for (auto* term : {&on_segments, &on_stationary}) {
     if (!*term) continue;

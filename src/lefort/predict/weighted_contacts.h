@@ -1,8 +1,8 @@
 /// \file
-/// Contact of the face by weighted gaps (contact/mortar_contact_term.h).
+/// Contact of the face by weighted gaps (contact/weighted_contact_term.h).
 #pragma once
 
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_active_set.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/solve/newton.h>
@@ -17,19 +17,19 @@ namespace lefort::predict {
 /// One term for all segments, and one for stationary bone; empty where tissue touches neither.
 class WeightedContacts {
  public:
-  std::optional<contact::MortarContactTerm> on_segments, on_stationary;
+  std::optional<contact::WeightedContactTerm> on_segments, on_stationary;
 
   /// \param tissue    must outlive the object; the faces of its set `contact` touch the segments.
   /// \param segments  at their poses in the reference configuration.
   void add_segments(const mesh::VolumeMesh& tissue, std::vector<contact::RigidObstacle> segments,
-                    const contact::MortarContactTerm::Options& options);
+                    const contact::WeightedContactTerm::Options& options);
   /// \param faces  that touch stationary bone.
   void add_stationary(const mesh::VolumeMesh& tissue, const std::vector<mesh::Face>& faces,
                       const contact::RigidObstacle& bone,
-                      const contact::MortarContactTerm::Options& options);
+                      const contact::WeightedContactTerm::Options& options);
 
   [[nodiscard]] bool any() const { return on_segments || on_stationary; }
-  [[nodiscard]] std::vector<const contact::MortarContactTerm*> terms() const;
+  [[nodiscard]] std::vector<const contact::WeightedContactTerm*> terms() const;
 
   /// \param X_LB  of each segment.
   void set_poses(const std::vector<RigidTransform>& X_LB);
@@ -59,7 +59,7 @@ class WeightedContacts {
   [[nodiscard]] bool allows_motion(const std::vector<RigidTransform>& from_X_LB,
                                    const std::vector<Vec3>& last_L, const VectorX& to) const;
   /// Displacements `to`, but tissue through which a segment would pass moves with this segment.
-  [[nodiscard]] VectorX carried(const std::vector<RigidTransform>& from_X_LB,
+  [[nodiscard]] VectorX moved_with_bones(const std::vector<RigidTransform>& from_X_LB,
                                 const std::vector<Vec3>& last_L, const VectorX& to) const;
 
   const mesh::VolumeMesh* tissue_ = nullptr;

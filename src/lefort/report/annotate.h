@@ -40,7 +40,7 @@ inline constexpr const char* kNotConvergedBanner = "NOT CONVERGED \u2013 not a r
 /// \param picture     as rendered.
 /// \param annotation  what is written.
 /// \returns a picture of the same width and larger height; or kInvalidArgument for a malformed
-///   picture, an empty color scale or an invalid view.
+///   picture, an empty color scale, an invalid view, or a height above kMaxPictureSide.
 [[nodiscard]] Result<Picture> annotate(const Picture& picture, const Annotation& annotation);
 
 /// Places pictures in a row, aligned at the top, each under its title.

@@ -18,10 +18,11 @@ struct ComparePicture {
 };
 
 /// Draws the face from the front and from both three-quarter views, colored by the difference. The
-/// color scale ends at 1, 2, 5, 10 or 20 mm, depending on the 95th percentile.
+/// color scale is symmetric about 0; it ends at the first of 1, 2, 5 and 10 mm that is not less
+/// than `p95_mm`, else at 20 mm.
 ///
 /// \param face_L     the face.
-/// \param signed_mm  one per vertex; NaN (not compared) is gray.
+/// \param signed_mm  one per vertex, positive outside the other face; NaN (not compared) is gray.
 /// \param p95_mm     95th percentile of the differences; NaN if there are none.
 /// \param progress   of the pictures; may request a stop.
 /// \returns the pictures, or the errors of SurfaceScene.

@@ -23,7 +23,7 @@ struct SliceDrawing {
   Vec3 right_L{1.0, 0.0, 0.0};  ///< Direction towards the right of the picture.
   Vec3 down_L{0.0, 1.0, 0.0};   ///< Direction towards the bottom of the picture.
   double band_mm = 1.0;         ///< Ends of the color scale, > 0.
-  double step_mm = 0.0;         ///< Between contour lines; 0 chooses a round number.
+  double step_mm = 0.0;         ///< Between contour lines; 0: a round number.
   /// The surface in the plane, in columns and rows; integers are centers of pixels.
   std::vector<geometry::Segment2> outline{};
   std::string outline_name{};  ///< For the legend.
@@ -35,7 +35,8 @@ struct SliceDrawing {
 ///
 /// \param drawing  the distances and how to draw them.
 /// \returns the picture; or kInvalidArgument if the sizes are inconsistent, a length is not
-///   positive, or the picture would be larger than kMaxPictureSide.
+///   positive, a step is less than a thousandth of the band, or the picture would be larger than
+///   kMaxPictureSide.
 [[nodiscard]] Result<Picture> draw_slice(const SliceDrawing& drawing);
 
 }  // namespace lefort::report

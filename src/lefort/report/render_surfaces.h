@@ -42,7 +42,7 @@ class SurfaceScene {
   /// \returns the scene, or
   ///   - kInvalidArgument  the number of scalars is wrong, the opacity is outside [0, 1], a color
   ///                       scale is empty, or memory is exhausted
-  ///   - kMeshInvalid      a triangle has a missing vertex, or a vertex is NaN or over 1 km away
+  ///   - kMeshInvalid      a triangle has a missing vertex, or a coordinate is NaN or beyond +-1 km
   ///   - kCancelled        `progress` requested a stop
   /// \note Same bits for any number of threads.
   [[nodiscard]] static Result<SurfaceScene> build(std::span<const SurfaceLayer> layers,

@@ -17,14 +17,15 @@ struct ServeJob {
   int port = 8765;                               ///< 0: any free port.
   bool open = false;                             ///< Opens the page in the default browser.
   bool demo = false;  ///< Starts with the example, unless the case has a scan.
-  /// File of Debian's invesalius-examples.
+  /// Scan of the example, a file of Debian's invesalius-examples.
   std::filesystem::path example = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 };
 
 /// Serves until `progress` requests a stop. Once the page can be opened, its address, which
 /// contains the secret token, is printed on stdout.
 ///
-/// \returns what CaseFolder::open() and HttpServer::bind() return, or a summary.
+/// \returns a summary; the errors of CaseFolder::open() and HttpServer::bind(); kFileNotFound with
+///   `demo` if there is no example; or kInvalidArgument if listening ended without a request.
 [[nodiscard]] Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress);
 
 }  // namespace lefort::server

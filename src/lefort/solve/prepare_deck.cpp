@@ -1,4 +1,4 @@
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/find_sets.h>
@@ -169,8 +169,8 @@ double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
 
 double default_stiffness_mpa_per_mm(const Obstacle& obstacle, double young_mpa, double edge_mm) {
   if (obstacle.integration == contact::Integration::kWeighted)
-    return contact::mortar_stiffness_mpa_per_mm(
-        young_mpa, obstacle.penetration_tolerance_mm.value_or(contact::kMortarTolerance_mm));
+    return contact::weighted_stiffness_mpa_per_mm(
+        young_mpa, obstacle.penetration_tolerance_mm.value_or(contact::kWeightedTolerance_mm));
   return obstacle.stiffness_factor * young_mpa / edge_mm;
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
@@ -29,7 +29,7 @@ using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 /// contact snap distance.
 struct WeightedContact {
   std::vector<std::size_t> obstacles;
-  contact::MortarContactTerm term;
+  contact::WeightedContactTerm term;
 };
 
 /// \param obstacles  in the order of the deck, at their poses at rest.
@@ -102,8 +102,8 @@ class Problem {
     set_time(time);
     return sets;
   }
-  [[nodiscard]] std::vector<contact::MortarContactTerm*> weighted_contacts() {
-    std::vector<contact::MortarContactTerm*> terms;
+  [[nodiscard]] std::vector<contact::WeightedContactTerm*> weighted_contacts() {
+    std::vector<contact::WeightedContactTerm*> terms;
     for (WeightedContact& contact : weighted_) terms.push_back(&contact.term);
     return terms;
   }

@@ -24,7 +24,7 @@ export interface Depths {
   /** Depth of each vertex of a segment in other bone [mm], 0 outside. */
   bySegment: Map<string, Float32Array>;
   deepest_mm: number;
-  beyondReach: boolean;
+  depthIsLowerBound: boolean;
 }
 
 /** First voxel along i, j, k, then the counts. */
@@ -244,7 +244,7 @@ export class Client {
     return {
       bySegment,
       deepest_mm: Number(response.headers.get('X-Lefort-Deepest-Mm') ?? 0),
-      beyondReach: response.headers.get('X-Lefort-Beyond-Reach') === '1',
+      depthIsLowerBound: response.headers.get('X-Lefort-Depth-Is-Lower-Bound') === '1',
     };
   }
 

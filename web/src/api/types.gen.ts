@@ -1828,7 +1828,7 @@ export interface operations {
                     /** @description Maximum depth [mm]. */
                     "X-Lefort-Deepest-Mm"?: string;
                     /** @description 1 if a depth exceeds the reach of the distance fields and X-Lefort-Deepest-Mm is a lower bound; else 0. */
-                    "X-Lefort-Beyond-Reach"?: string;
+                    "X-Lefort-Depth-Is-Lower-Bound"?: string;
                     [name: string]: unknown;
                 };
                 content: {

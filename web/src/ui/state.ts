@@ -105,7 +105,7 @@ export interface State {
   /** Fraction of the path while the timeline is scrubbed. */
   scrub: number | null;
   planPoses: Schemas['PlanPoses'] | null;
-  depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
+  depth: { deepest_mm: number; depthIsLowerBound: boolean; perSecond: number } | null;
   showOverlap: boolean;
   /** Show slices beside the bones in the step of the movement. */
   showSlices: boolean;

@@ -6,8 +6,9 @@
 
 namespace lefort::app {
 
-/// Adds the options of io::deprecated_options(), hidden, to the commands of `cli`, which must have
-/// all others. Each takes what its new name takes; both together are a usage error.
+/// Adds the options of io::deprecated_options(), hidden, to the commands of `cli`, which must
+/// already have all other options. An old option takes the values of the new one; both together are
+/// a usage error.
 void add_deprecated_options(CLI::App& cli);
 
 }  // namespace lefort::app

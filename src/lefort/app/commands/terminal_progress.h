@@ -33,8 +33,8 @@ class TerminalProgress final : public Progress {
   std::chrono::steady_clock::time_point begun_;
 };
 
-/// Ctrl-C, SIGTERM and a closed terminal request running work to stop; a second Ctrl-C ends the
-/// program at once.
+/// After this call, Ctrl-C, SIGTERM and a closed terminal request running work to stop; a second
+/// Ctrl-C ends the program at once.
 void stop_on_interrupt();
 
 }  // namespace lefort::app

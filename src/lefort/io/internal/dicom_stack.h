@@ -35,9 +35,10 @@ struct Rescale {
 ///
 /// \param slices  headers of one series, in any order.
 /// \returns the stack, or
-///   - kFileUnsupported  there are fewer than two slices, a position tag is missing, a file has
-///                       several frames or colors or too many pixels, slices with several distances
-///                       are more than 5 mm apart, or the gantry tilt is impossible;
+///   - kFileUnsupported  there are fewer than two slices; position, orientation or pixel spacing is
+///                       missing; a file has several frames or colors, or more than 8192 pixels
+///                       along a side; slices with several distances are more than 5 mm apart; or
+///                       the gantry tilt is more than 45 degrees;
 ///   - kFileCorrupt      image axes are not orthogonal unit vectors; slices differ in size, spacing
 ///                       or orientation, have equal positions, are missing, unevenly spaced or
 ///                       displaced sideways.

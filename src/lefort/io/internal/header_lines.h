@@ -17,14 +17,15 @@
 namespace lefort::io {
 
 /// Reads lines that end in "\n" or "\r\n". Every other control character but the tab is rejected: a
-/// program that takes one of them for the end of a line would find other fields.
+/// program that takes such a character for the end of a line would find other fields.
 class HeaderLines {
  public:
-  /// Longer headers and lines are rejected. The lines of Slicer's conversion parameters have 2500
-  /// bytes.
+  /// Limits in bytes; longer headers and lines are rejected. The lines of Slicer's conversion
+  /// parameters have 2500 bytes.
   static constexpr std::size_t kMaxHeader = 1 << 20, kMaxLine = 1 << 15;
 
   /// \param file  a regular file, of which at most kMaxHeader bytes are read.
+  /// \returns the lines, or kFileNotFound if the file cannot be read.
   [[nodiscard]] static Result<HeaderLines> open(const std::filesystem::path& file);
 
   /// \returns the next line without its end, nothing after the last one, or kFileCorrupt.
@@ -38,7 +39,7 @@ class HeaderLines {
  private:
   explicit HeaderLines(std::string start) : start_(std::move(start)) {}
 
-  std::string start_;  ///< Of the file.
+  std::string start_;  ///< First bytes of the file.
   std::size_t at_ = 0;
   int number_ = 0;
 };

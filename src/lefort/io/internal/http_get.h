@@ -28,7 +28,7 @@ struct HttpRequest {
   std::uint64_t header_bytes = 1 << 18;  ///< Limit of all headers, including those of status 100.
   /// Called once, before the body of a response with status 200.
   std::function<Result<void>(const std::string& content_type)> begin{};
-  std::function<Result<void>(std::string_view bytes)> receive{};  ///< Called for each piece of it.
+  std::function<Result<void>(std::string_view bytes)> receive{};  ///< For each piece of the body.
 };
 
 /// Sends a GET request and receives its response. Redirections are not followed, since the password
@@ -43,7 +43,7 @@ struct HttpRequest {
 ///   - kAccessDenied      the server rejects the user name or password (401, 403);
 ///   - kFileNotFound      status 204 or 404;
 ///   - kFileUnsupported   another status than 200;
-///   - kFileCorrupt       more headers than allowed;
+///   - kFileCorrupt       more than header_bytes of headers;
 ///   - kCancelled         `progress` requested a stop.
 [[nodiscard]] Result<void> http_get(const HttpServer& server, const HttpRequest& request,
                                     Progress& progress);

@@ -10,11 +10,11 @@
 
 namespace lefort::io {
 
-/// Returns the boundary parameter of a Content-Type; empty if the type is not multipart/related or
-/// the boundary is missing or invalid (1 to 70 characters, RFC 2046).
+/// Returns the boundary parameter of a Content-Type; empty if the type is not multipart/related, or
+/// the boundary is missing or does not have 1 to 70 printable characters (RFC 2046).
 [[nodiscard]] std::string multipart_boundary(std::string_view content_type);
 
-/// Splits a body into its parts. It stores at most the headers of a part, or about 64 KiB.
+/// Splits a body into its parts. It stores about 80 KiB of the body at most.
 class MultipartReader {
  public:
   struct Sink {

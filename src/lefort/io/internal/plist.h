@@ -1,5 +1,5 @@
 /// \file
-/// Apple property lists in XML, the format of InVesalius projects.
+/// Apple property lists in XML, the format of main.plist in InVesalius projects.
 #pragma once
 
 #include <lefort/core/error.h>

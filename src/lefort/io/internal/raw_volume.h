@@ -1,6 +1,6 @@
 /// \file
 /// NRRD, NIfTI and MetaImage volumes with any scalar type, any number of values per voxel, and
-/// header fields. No other file uses ITK's readers and writers.
+/// header fields. Only writing uses ITK, and no other file uses ITK's writers.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -115,7 +115,7 @@ struct RawVolumeView {
 /// Writes atomically in the format of the ending of `target`, compressed if the format allows it.
 ///
 /// \param target  ends in .nrrd, .nii.gz, .nii or .mha.
-/// \param volume  to write.
+/// \param volume  with values of type kUint8, kInt16 or kFloat.
 /// \returns nothing, kInvalidArgument (ending, grid) or kFileUnwritable.
 [[nodiscard]] Result<void> write_raw_volume(const std::filesystem::path& target,
                                             const RawVolumeView& volume);

@@ -11,13 +11,13 @@
 
 namespace lefort::io::internal {
 
-/// \param material  an object with "law" (text), its constants (numbers and lists) and, passed
-///   over, "region" and "density_kg_m3".
-/// \returns the law, or kPlanInvalid: there is no such law, a constant is missing, unknown, of the
-///   wrong kind or out of its range.
+/// \param material  an object with "law" and its constants; "region" and "density_kg_m3" are
+///   ignored.
+/// \returns the law, or kPlanInvalid if the law does not exist, or a constant is missing, unknown,
+///   of the wrong type or out of its range.
 [[nodiscard]] Result<fem::Material> read_law(const Json& material);
 
-/// The names of all laws, ascending.
+/// The names of all laws in alphabetical order.
 [[nodiscard]] std::vector<std::string> law_names();
 
 }  // namespace lefort::io::internal

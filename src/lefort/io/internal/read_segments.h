@@ -1,5 +1,5 @@
 /// \file
-/// The segments of a plan: what frees each, and its way. For the .cpp files of this layer alone.
+/// The segments of a plan: osteotomy and path of each. Internal to io.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,15 +12,16 @@
 
 namespace lefort::io::internal {
 
-/// \param landmarks  a file's name, or points by name.
-/// \param folder     relative names of files are taken from it.
-/// \returns kPlanInvalid or what reading the file returns.
+/// \param landmarks  name of a file, or an object of points by name.
+/// \param folder     to which a relative file name refers.
+/// \returns the landmarks, kPlanInvalid, or the errors of read_landmarks().
 [[nodiscard]] Result<plan::Landmarks> read_plan_landmarks(const Json& landmarks,
                                                           const std::filesystem::path& folder);
 
-/// \param segments   passed the plan's schema.
+/// \param segments   valid by the schema of plans.
 /// \param landmarks  of the plan.
-/// \returns kPlanInvalid naming the key, or what reading a file that is named returns.
+/// \param folder     to which relative file names refer.
+/// \returns the segments, kPlanInvalid with the key, or the errors of reading a named file.
 [[nodiscard]] Result<std::vector<plan::PlannedSegment>> read_segments(
     const Json& segments, const plan::Landmarks& landmarks, const std::filesystem::path& folder);
 

@@ -12,10 +12,10 @@
 
 namespace lefort::io::internal {
 
-/// Renames the deprecated keys and values of a plan or deck that is not yet checked.
+/// Renames the deprecated keys and values of a plan or deck before it is validated.
 ///
-/// \returns a warning for each name that occurs, as `boundary.scan_edge is deprecated, use
-///   scan_boundary`; kPlanInvalid where an object has a key under both names.
+/// \returns a warning for each deprecated name that occurs, for example `boundary.scan_edge is
+///   deprecated, use scan_boundary`; or kPlanInvalid if an object has a key under both names.
 [[nodiscard]] Result<std::vector<std::string>> rename_deprecated(nlohmann::json& json,
                                                                  const DeprecatedNames& names);
 

@@ -7,9 +7,9 @@
 
 namespace lefort::io {
 
-/// Suppresses the output of ITK's writers while it lives. They share state between threads (the
-/// output window, NrrdIO's list of errors) and print to std::cerr and std::cout, which are
-/// redirected: only one thread of the process has such an object, others wait for it.
+/// Suppresses the output of ITK's writers during its lifetime. The writers share state between
+/// threads (the output window, NrrdIO's list of errors) and print to std::cerr and std::cout, which
+/// are redirected. Only one thread of the process has such an object; others wait.
 class SilenceLibraries {
  public:
   SilenceLibraries();

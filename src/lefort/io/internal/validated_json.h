@@ -23,8 +23,9 @@ using Json = nlohmann::json;
 /// \param schema   JSON Schema, draft 7, in JSON.
 /// \param subject  name of the document in messages: "the plan".
 /// \returns the JSON, or kPlanInvalid with the key and its error, as `tissue: unknown key "color"`.
-///   A repeated key in an object is an error, since parsers differ on it; so is deep nesting, which
-///   would exhaust the stack of recursive code.
+///   A repeated key in an object is an error, since parsers differ on it; so are nesting of more
+///   than 32 levels, which would exhaust the stack of recursive code, and more than a million
+///   values, which would exhaust memory.
 [[nodiscard]] Result<Json> parse_checked(std::string_view text, const char* schema,
                                          const std::string& subject);
 
@@ -34,7 +35,7 @@ struct CheckedJson {
   std::vector<std::string> warnings;
 };
 
-/// The same for a plan or deck, whose deprecated keys and values are renamed before the check.
+/// As above for a plan or deck, whose deprecated keys and values are renamed before the check.
 [[nodiscard]] Result<CheckedJson> parse_checked(std::string_view text, const char* schema,
                                                 const std::string& subject,
                                                 const DeprecatedNames& deprecated);
@@ -43,7 +44,7 @@ struct CheckedJson {
 [[nodiscard]] Result<CheckedJson> parse_renamed(std::string_view text,
                                                 const DeprecatedNames& deprecated);
 
-/// Sets `value` if the key is there; the schema has checked its type.
+/// Sets `value` if the object has the key, whose type the schema has checked.
 template <class T>
 void read(const Json& object, const char* key, T& value) {
   if (const auto found = object.find(key); found != object.end()) value = found->get<T>();
@@ -57,11 +58,11 @@ inline void read(const Json& object, const char* key, Vec3& value) {
   if (const auto found = object.find(key); found != object.end()) value = as_vector(*found);
 }
 
-/// Returns the object at `key`, or an empty one. It lives as long as `whole`.
+/// Returns the object at `key`, or an empty one. The reference is valid as long as `whole`.
 [[nodiscard]] const Json& section(const Json& whole, const char* key);
 [[nodiscard]] const Json& section(Json&& whole, const char* key) = delete;
 
-/// Returns the list at `key`, or an empty one. It lives as long as `whole`.
+/// Returns the list at `key`, or an empty one. The reference is valid as long as `whole`.
 [[nodiscard]] const Json& list(const Json& whole, const char* key);
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 

@@ -1,9 +1,9 @@
 /// \file
 /// Readers of NRRD, MetaImage and NIfTI files: a header, and the voxels that it describes.
 ///
-/// No library reads these files. MetaIO and NrrdIO (in ITK 5.2) write outside their buffers for
-/// some headers, find other fields in a header than a checker before them, return missing voxels as
-/// zeros or uninitialized memory, mirror some files, and share state between threads.
+/// They use no library. MetaIO and NrrdIO (in ITK 5.2) write outside their buffers for some
+/// headers, parse some headers differently from a check made before, return missing voxels as zeros
+/// or uninitialized memory, mirror some files, and share state between threads.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -32,7 +32,7 @@ struct VoxelStorage {
   std::optional<std::uint64_t> bytes;  ///< Required number of stored bytes to the end of the file.
   VoxelEncoding encoding = VoxelEncoding::kRaw;
   bool is_one_stream = false;  ///< Deflated voxels are one stream without bytes after it.
-  bool is_at_end = false;      ///< Raw voxels are the last bytes of the file; `begin` is not used.
+  bool is_at_end = false;      ///< Raw voxels are the last bytes of the file, not before `begin`.
   bool is_big_endian = false;  ///< Of raw and deflated voxels.
 };
 
@@ -66,7 +66,7 @@ struct VolumeHeader {
 /// \returns as read_nrrd_header(), or kCancelled. Numbers that are not finite are rejected.
 [[nodiscard]] Result<RawVolume> read_nifti(const std::filesystem::path& file, Progress& progress);
 
-/// Upper bound of the compression ratio of gzip, which is at most 1032.
+/// Upper bound of the compression ratio of gzip; the largest possible one is 1032.
 inline constexpr std::uint64_t kMaxGzipRatio = 1100;
 
 /// check_grid() that also allows left-handed grids.

@@ -14,7 +14,7 @@ namespace lefort::io::internal {
 /// How the name of an array must match.
 enum class NameMatch { kWhole, kBeginning };
 
-/// An array that a reader requires. If a piece has several of the name, the first is used.
+/// An array to decode if it exists. If a piece has several of the same name, the first is used.
 struct WantedArray {
   std::string parent;                   ///< Its parent element: Points, Polys, FieldData, ...
   std::string name;                     ///< Empty: the first array with any name.
@@ -48,8 +48,8 @@ struct XmlArrays {
 /// \param type    of the VTK file: PolyData, ...
 /// \param wanted  arrays to decode.
 /// \returns the arrays; kFileCorrupt if the file is not a VTK XML file of this type, is damaged or
-///   truncated, or its arrays overlap, are too many or decompress to far more than a surface or
-///   mesh of its length; kFileUnsupported for other compressors and byte orders.
+///   truncated, or its arrays have the same data offset, are too many, or need more memory than 64
+///   MiB plus 64 times its size; kFileUnsupported for other compressors and byte orders.
 [[nodiscard]] Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
                                               const std::string& type,
                                               const std::vector<WantedArray>& wanted);

@@ -17,7 +17,8 @@ namespace lefort::pipeline {
 /// \returns nothing or kFileUnwritable.
 [[nodiscard]] Result<void> write_digest(const std::filesystem::path& file);
 
-/// \returns nothing if the bytes of `file` have the stored SHA-256, otherwise kFileCorrupt.
+/// \returns nothing if the bytes of `file` have the stored SHA-256; kFileNotFound if `file` or
+///   digest_file() is missing; otherwise kFileCorrupt.
 [[nodiscard]] Result<void> check_digest(const std::filesystem::path& file);
 
 }  // namespace lefort::pipeline

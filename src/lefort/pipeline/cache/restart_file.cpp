@@ -135,7 +135,7 @@ void visit(Archive& archive, fem::LoadAttempt& attempt) {
 template <class Archive>
 void visit(Archive& archive, contact::ContactStatistics& summary) {
   auto& [points, nodes, area_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
-         p99_from_rest_mm, force_L_n, normal_force_n, tunnelled_area_mm2] = summary;
+         p99_from_rest_mm, force_L_n, normal_force_n, tunneled_area_mm2] = summary;
   archive(points);
   archive(nodes);
   archive(area_mm2);
@@ -146,7 +146,7 @@ void visit(Archive& archive, contact::ContactStatistics& summary) {
   archive(p99_from_rest_mm);
   visit(archive, force_L_n);
   archive(normal_force_n);
-  archive(tunnelled_area_mm2);
+  archive(tunneled_area_mm2);
 }
 
 template <class Archive>
@@ -199,7 +199,7 @@ void visit(Archive& archive, contact::ContactTerm::Checkpoint& checkpoint) {
   visit(archive, checkpoint.multipliers_mpa);
   visit(archive, checkpoint.penalty_scales);
   visit(archive, checkpoint.tangent_planes);
-  archive(checkpoint.tunnelled_area_mm2);
+  archive(checkpoint.tunneled_area_mm2);
 }
 
 template <class Archive>

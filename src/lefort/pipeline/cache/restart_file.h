@@ -1,5 +1,5 @@
 /// \file
-/// File of a stopped prediction: its converged steps and the state for the next one.
+/// File of a stopped prediction: its converged steps and the state for the next step.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -30,12 +30,12 @@ class StageCache {
 
   /// Reads a cached result, or computes and stores it. Reading is reported as a stage. If the file
   /// is damaged or has another SHA-256, the result is computed again, with a note. A result that
-  /// cannot be stored is returned all the same, with a note.
+  /// cannot be stored is returned, with a note.
   ///
   /// \param read   returns Result<T> from a path.
   /// \param make   returns Result<T>.
   /// \param write  writes a T to a path.
-  /// \returns the result, or what `make` returns.
+  /// \returns the result, or the error of `make`.
   template <class Read, class Make, class Write>
   [[nodiscard]] auto get(const std::string& name, const std::string& key, Progress& progress,
                          const Read& read, const Make& make, const Write& write) const

@@ -13,7 +13,8 @@
 
 namespace lefort::pipeline {
 
-/// Each key covers every member of the options; a new member fails to compile until it is covered.
+/// Each key covers every member of the options that can change the result; a new member fails to
+/// compile until the key names it.
 [[nodiscard]] std::string labels_key(const std::string& ct_sha256,
                                      const anatomy::SegmentationOptions& options);
 

@@ -6,7 +6,7 @@
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
-#include <lefort/io/owned_files.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
@@ -112,7 +112,7 @@ struct LandmarkShift {
 std::vector<LandmarkShift> find_shifts(const plan::Landmarks& landmarks,
                                        const TriangleMesh& before_L, const TriangleMesh& face_L) {
   std::vector<LandmarkShift> shifts;
-  const auto carried = compare::carry_landmarks(landmarks, before_L, face_L);
+  const auto carried = compare::displace_landmarks(landmarks, before_L, face_L);
   if (!carried) return shifts;  // Another surface: corresponding points are not known.
   for (const plan::Landmark& after : *carried) {
     const Vec3 before = *plan::find_landmark(landmarks, after.name);

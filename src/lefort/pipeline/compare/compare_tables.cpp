@@ -62,7 +62,7 @@ nlohmann::json regions_json(std::span<const compare::RegionDifference> rows) {
   nlohmann::json lines = nlohmann::json::array();
   for (const compare::RegionDifference& row : rows) {
     lines.push_back({{"region", row.region}, {"face", statistics_json(row.face)}});
-    if (row.if_unchanged) lines.back()["baseline_no_change"] = statistics_json(*row.if_unchanged);
+    if (row.baseline) lines.back()["baseline_no_change"] = statistics_json(*row.baseline);
   }
   return lines;
 }
@@ -73,7 +73,7 @@ std::string regions_csv(std::span<const compare::RegionDifference> rows) {
       "fraction_below_1mm,fraction_below_2mm,mean_signed_mm\n";
   for (const compare::RegionDifference& row : rows) {
     csv += csv_line(row.region, "compared", row.face);
-    if (row.if_unchanged) csv += csv_line(row.region, "baseline (no change)", *row.if_unchanged);
+    if (row.baseline) csv += csv_line(row.region, "baseline (no change)", *row.baseline);
   }
   return csv;
 }
@@ -91,7 +91,7 @@ std::string regions_text(std::span<const compare::RegionDifference> rows) {
   };
   for (const compare::RegionDifference& row : rows) {
     add(row.region, row.face);
-    if (row.if_unchanged) add("  no change", *row.if_unchanged);
+    if (row.baseline) add("  no change", *row.baseline);
   }
   return text;
 }

@@ -26,7 +26,7 @@ namespace lefort::pipeline {
 /// Achieved movement of each segment [mm, degrees] as JSON and CSV.
 [[nodiscard]] nlohmann::json movements_json(const SurgeryFound& surgery);
 [[nodiscard]] std::string movements_csv(const SurgeryFound& surgery);
-/// The same as text; each line begins with a line feed.
+/// Achieved movements as text; each line begins with a line feed.
 [[nodiscard]] std::string movements_text(const SurgeryFound& surgery);
 
 }  // namespace lefort::pipeline

@@ -28,8 +28,9 @@ struct SurgeryFound {
 /// \param prediction  folder of a finished prediction (`lefort predict`).
 /// \param after_ct    the scan after surgery.
 /// \param cache       folder for the labels of the scan.
-/// \returns kInvalidArgument if `prediction` is not such a folder, kFileCorrupt if its files do not
-///   match, or what reading, segmenting and registering return.
+/// \returns the movements; kInvalidArgument if `prediction` is not such a folder; kFileCorrupt if
+///   its files do not match; or the errors of io::read_plan(), scan_head(),
+///   compare::register_remainder() and compare::recover_movements().
 [[nodiscard]] Result<SurgeryFound> find_surgery(const std::filesystem::path& prediction,
                                                 const std::filesystem::path& after_ct,
                                                 const std::filesystem::path& cache,

@@ -13,7 +13,8 @@
 namespace lefort::pipeline {
 
 /// \param limits_mm  empty, or from and to along x, y and z.
-/// \returns kInvalidArgument if a limit is missing, or a lower one exceeds the upper one.
+/// \returns the box, if there are limits; kInvalidArgument if a limit is missing, or a lower limit
+///   exceeds the upper one.
 [[nodiscard]] inline Result<std::optional<Box3>> region_of(std::span<const double> limits_mm) {
   if (limits_mm.empty()) return std::optional<Box3>();
   if (limits_mm.size() != 6)

@@ -58,8 +58,8 @@ Json interface_json(const predict::FaceModel& model) {
 Json lips_json(const PreparedCase& prepared) {
   const predict::LipSlit& lips = prepared.model.lips;
   Json json{{"setting", name_of(prepared.plan.boundary.lips)},
-            {"separated", lips.is_open()},
-            {"reason", lips.is_open() ? Json(nullptr) : Json(lips.reason)},
+            {"separated", lips.is_separated()},
+            {"reason", lips.is_separated() ? Json(nullptr) : Json(lips.reason)},
             {"found_by", nullptr},
             {"confidence", nullptr},
             {"crease_depth_mm", nullptr},

@@ -15,7 +15,8 @@ namespace lefort::pipeline {
 /// All attempts with all iterations. `from` and `to` are fractions of a path, or times of a deck.
 [[nodiscard]] nlohmann::ordered_json attempts_json(const std::vector<fem::LoadAttempt>& attempts);
 
-/// Penetration is the depth in the body; its increase is relative to the reference configuration.
+/// Penetration is the depth of tissue in the bone or obstacle; its increase is measured from the
+/// rest gap.
 [[nodiscard]] nlohmann::ordered_json contact_json(const contact::ContactStatistics& contact);
 
 }  // namespace lefort::pipeline

@@ -37,7 +37,7 @@ Json supports_json(const contact::SupportStatistics& supports) {
 }
 
 Json lips_json(const predict::LipSlit& lips, const std::vector<Vec3>& displacement_mm) {
-  if (!lips.is_open()) return nullptr;
+  if (!lips.is_separated()) return nullptr;
   const predict::LipStatistics statistics = predict::lip_statistics(lips, displacement_mm);
   return {{"max_overlap_mm", statistics.max_overlap_mm},
           {"max_opening_mm", statistics.max_opening_mm},
@@ -245,7 +245,7 @@ Json timing_json(const Timing& timing) {
 }  // namespace
 
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
-                     const predict::SkinDisplacement& skin, const Timing& timing) {
+                     const predict::SkinDisplacementStatistics& skin, const Timing& timing) {
   Json steps = Json::array();
   for (const predict::PredictionStep& step : prediction.steps)
     steps.push_back(step_json(step, prepared));

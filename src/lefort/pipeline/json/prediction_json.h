@@ -20,11 +20,11 @@ struct Timing {
   std::vector<double> step_seconds;
 };
 
-/// \param prediction  with at least the steps that converged.
-/// \param skin        of the last step.
+/// \param prediction  with the steps that converged.
+/// \param skin        of the last step; zero if the path did not converge.
 [[nodiscard]] nlohmann::ordered_json prediction_json(const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,
-                                                     const predict::SkinDisplacement& skin,
+                                                     const predict::SkinDisplacementStatistics& skin,
                                                      const Timing& timing);
 
 }  // namespace lefort::pipeline

@@ -4,7 +4,7 @@
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
-#include <lefort/io/owned_files.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/sha256.h>
@@ -58,7 +58,7 @@ std::vector<std::string> names_of(const io::PlanFile& plan) {
 Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
                             std::span<const std::string> names) {
   LEFORT_TRY(const std::vector<fs::path> earlier, io::earlier_check_files(job.output));
-  LEFORT_TRY_VOID(io::check_none_in_the_way(job.output, names, earlier));
+  LEFORT_TRY_VOID(io::check_overwrites_only_earlier(job.output, names, earlier));
   std::vector<fs::path> inputs{job.plan};
   if (job.skull) inputs.push_back(*job.skull);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
@@ -257,7 +257,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
 
   progress.begin_stage("write");
   for (const report::PlanPicture& picture : pictures) names.push_back("pictures/" + picture.file);
-  LEFORT_TRY_VOID(io::check_none_in_the_way(job.output, names, {}));
+  LEFORT_TRY_VOID(io::check_overwrites_only_earlier(job.output, names, {}));
   result["files"] = names;
   // Written first: it lists the files that the next check may replace if this one is interrupted.
   LEFORT_TRY_VOID(io::write_text(job.output / "check.json", result.dump(2) + "\n"));

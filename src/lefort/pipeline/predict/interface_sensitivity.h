@@ -17,9 +17,9 @@
 namespace lefort::pipeline {
 
 /// Distance between the faces predicted with the interfaces `bonded` and `contact`, at the end of
-/// the path, on the same coarse mesh. It is taken over the skin that moves by more than 0.5 mm with
-/// either of them. If the solve with `bonded` fails, as where elements between two bonded bones
-/// invert, the interface `clinical` replaces `bonded`.
+/// the path, on the same coarse mesh, over the skin that moves by more than 0.5 mm with either
+/// interface. If the solve with `bonded` fails, for example because elements between two bonded
+/// bones invert, the interface `clinical` replaces `bonded`.
 struct InterfaceSensitivity {
   double element_size_mm = 0.0;                                           ///< Of the coarse mesh.
   predict::TissueInterface attached = predict::TissueInterface::kBonded;  ///< Or kClinical.
@@ -32,7 +32,7 @@ struct InterfaceSensitivity {
 
 /// \param prepared  the case; its own interface is not used.
 /// \param cache     of the coarse mesh.
-/// \returns the distances; a solve that does not converge is reported as `failure`; or kCancelled.
+/// \returns the distances, or `failure` if a solve fails; or kCancelled.
 [[nodiscard]] Result<InterfaceSensitivity> measure_interface_sensitivity(
     const PreparedCase& prepared, const StageCache& cache, Progress& progress);
 

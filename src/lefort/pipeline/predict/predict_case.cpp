@@ -259,7 +259,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   const predict::FacePrediction& prediction = solved.prediction;
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = displace_skin(prepared, last);
-  const predict::SkinDisplacement skin = predict::measure_skin_displacement(skin_mm);
+  const predict::SkinDisplacementStatistics skin = predict::measure_skin_displacement(skin_mm);
   std::optional<InterfaceSensitivity> sensitivity;
   if (job.sensitivity) {
     LEFORT_TRY(sensitivity, measure_interface_sensitivity(prepared, cache, progress));

@@ -266,7 +266,7 @@ void add_pictures(std::span<const PredictionPicture> pictures, report::CaseRepor
 
 std::vector<report::KeyNumber> key_numbers(const PreparedCase& prepared,
                                            const predict::FacePrediction& prediction,
-                                           const predict::SkinDisplacement& skin) {
+                                           const predict::SkinDisplacementStatistics& skin) {
   if (prediction.steps.empty()) return {};
   const contact::ContactStatistics contact = prediction.steps.back().contact();
   return {{"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
@@ -299,11 +299,11 @@ std::vector<std::string> notes_on(const PreparedCase& prepared,
                                 kBoneOverlap));
   if (prediction.steps.empty()) return notes;
   const contact::ContactStatistics contact = prediction.steps.back().contact();
-  if (contact.tunnelled_area_mm2 > 0.0)
+  if (contact.tunneled_area_mm2 > 0.0)
     notes.push_back(
         fmt::format("The penalty method does not fully prevent penetration: {:.1f} mm\u00b2 of "
                     "tissue, of {:.0f} mm\u00b2 in contact, passed through thin bone.",
-                    contact.tunnelled_area_mm2, contact.area_mm2));
+                    contact.tunneled_area_mm2, contact.area_mm2));
   return notes;
 }
 
@@ -345,7 +345,7 @@ std::vector<std::string> limitations_of(const PreparedCase& prepared) {
 report::CaseReport prediction_report(const PreparedCase& prepared,
                                      const predict::FacePrediction& prediction,
                                      std::span<const PredictionPicture> pictures,
-                                     const predict::SkinDisplacement& skin, const Timing& timing) {
+                                     const predict::SkinDisplacementStatistics& skin, const Timing& timing) {
   report::CaseReport report;
   report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
   report.subtitle = "Simulated soft-tissue response to a planned bone movement";

@@ -19,7 +19,7 @@ namespace lefort::pipeline {
 [[nodiscard]] report::CaseReport prediction_report(const PreparedCase& prepared,
                                                    const predict::FacePrediction& prediction,
                                                    std::span<const PredictionPicture> pictures,
-                                                   const predict::SkinDisplacement& skin,
+                                                   const predict::SkinDisplacementStatistics& skin,
                                                    const Timing& timing);
 
 }  // namespace lefort::pipeline

@@ -11,7 +11,7 @@
 
 namespace lefort::pipeline {
 
-/// The same ratio with two interfaces of tissue and bone, on the coarse mesh of the sensitivity.
+/// One ratio with two interfaces of tissue and bone, on the coarse mesh of InterfaceSensitivity.
 struct RatioByInterface {
   double attached = 0.0;  ///< With `bonded`; if that fails, with `clinical`.
   double contact = 0.0;   ///< With `contact`.
@@ -54,8 +54,8 @@ void measure_scan_boundary(std::vector<ExplainedRatio>& ratios,
 [[nodiscard]] bool deviates(const compare::SoftTissueRatio& ratio);
 
 /// \returns sentences, one for each possible reason: the interface, the end of the scan, parts of
-///   the face that the model lacks, a published mean without its spread. Empty if the ratio does
-///   not deviate; otherwise one or more.
+///   the face that the model lacks, a published mean without its spread, an axis that is not the
+///   main one of the movement. Empty if the ratio does not deviate; otherwise one or more.
 [[nodiscard]] std::vector<std::string> deviation_reasons(const ExplainedRatio& explained);
 
 }  // namespace lefort::pipeline

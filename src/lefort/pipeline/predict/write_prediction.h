@@ -52,8 +52,9 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// Writes the pictures and the plots of the mesh into pictures/, then report.html and plan.json,
-/// and last prediction.json, whose presence shows that all files are complete.
+/// Writes the pictures and the plots of the mesh into pictures/ (none without pictures), then
+/// report.html and plan.json, and last prediction.json, whose presence shows that all files are
+/// complete.
 ///
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,
@@ -63,7 +64,7 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
                                            std::string_view plan_text,
                                            const nlohmann::ordered_json& prediction);
 
-/// The same for a path that did not converge: report.html, plan.json and failure.json.
+/// Writes report.html, plan.json and failure.json for a path that did not converge.
 ///
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_failure(const std::filesystem::path& folder,

@@ -30,7 +30,7 @@ namespace lefort::pipeline {
 
 /// \param name       of the bone, for the stage and the file.
 /// \param surface_B  of the bone.
-/// \returns the field in the frame of `surface_B`, or what field::build_distance_field() returns.
+/// \returns the field in the frame of `surface_B`, or the errors of field::build_distance_field().
 [[nodiscard]] Result<std::shared_ptr<const field::DistanceField>> find_field(
     const std::string& name, const geometry::TriangleMesh& surface_B,
     const field::DistanceFieldOptions& options, const StageCache& cache, Progress& progress);

@@ -19,7 +19,8 @@ namespace lefort::pipeline {
 
 /// Extracts the surfaces of skull, mandible and skin, and finds the landmarks on them.
 ///
-/// \param labels  on the grid of `ct`; without bone of the skull: kMeshInvalid.
+/// \param labels  on the grid of `ct`.
+/// \returns the landmarks, or kMeshInvalid without bone of the skull or skin.
 [[nodiscard]] Result<plan::LandmarkSearch> find_head_landmarks(const image::CtVolume& ct,
                                                                const anatomy::LabelMap& labels,
                                                                const anatomy::LevelOptions& levels,
@@ -37,6 +38,8 @@ namespace lefort::pipeline {
 /// \param file   the plan.
 /// \param ct     instead of the plan's.
 /// \param cache  for the labels.
+/// \returns as io::read_plan_text(); or the errors of io::scan_of(), scan_labels() and
+///   find_head_landmarks().
 [[nodiscard]] Result<io::PlanText> read_plan_of_scan(const std::filesystem::path& file,
                                                      const std::optional<std::filesystem::path>& ct,
                                                      const StageCache& cache, Progress& progress);

@@ -19,17 +19,19 @@ namespace lefort::pipeline {
 
 /// A scan and its labels.
 struct ScannedLabels {
-  io::ImportedVolume scan;
-  std::string ct_sha256;
+  io::ImportedVolume scan;  ///< With metal streaks reduced.
+  std::string ct_sha256;    ///< Of the imported scan, before that reduction.
   anatomy::LabelMap labels;
   anatomy::LevelOptions levels;
 };
 
-/// Imports the scan and reads or segments the labels.
+/// Imports the scan, reduces metal streaks, and reads or segments the labels.
 ///
 /// \param plan   names the labels, or has the options to segment them.
 /// \param ct     the scan.
 /// \param cache  for the labels; null: they are not stored.
+/// \returns scan and labels; or the errors of io::import_volume(), and of io::read_segmentation()
+///   or anatomy::segment_tissue().
 [[nodiscard]] Result<ScannedLabels> scan_labels(const io::PlanFile& plan,
                                                 const std::filesystem::path& ct,
                                                 const StageCache* cache, Progress& progress);
@@ -39,8 +41,8 @@ struct ScannedLabels {
 
 /// A head before the osteotomies.
 struct ScannedHead {
-  io::ImportedVolume scan;
-  std::string ct_sha256;
+  io::ImportedVolume scan;  ///< As in ScannedLabels.
+  std::string ct_sha256;    ///< As in ScannedLabels.
   anatomy::LabelMap labels;
   anatomy::LevelOptions levels;
   geometry::TriangleMesh skull_L;
@@ -57,13 +59,12 @@ struct ScannedHead {
 /// \param plan   names the labels, or has the options of the segmentation.
 /// \param ct     the scan.
 /// \param cache  of the labels.
-/// \returns the head; or what io::import_volume(), io::read_segmentation() or
-///   anatomy::segment_tissue(), and anatomy::extract_isosurface() return.
+/// \returns the head; or the errors of scan_labels() and anatomy::extract_isosurface().
 [[nodiscard]] Result<ScannedHead> scan_head(const io::PlanFile& plan,
                                             const std::filesystem::path& ct,
                                             const StageCache& cache, Progress& progress);
 
-/// Reports fragments: bone within an osteotomy that does not move.
+/// Reports fragments: bone within the cut that stays in place.
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
 /// Warns if a segment contains much bone labeled as skull and much labeled as mandible: the labels

@@ -63,9 +63,10 @@ struct PreparedCase {
 /// \param plan_sha256  SHA-256 of the text of the plan.
 /// \param ct           the scan.
 /// \param cache        of labels, fields and the tissue's mesh.
-/// \returns the case, or what scan_head(), io::read_boundary_labels(), plan::cut_segments(),
-///   field::build_distance_field(), predict::check_query_range() and predict::mesh_tissue() return;
-///   or kPlanInvalid if the plan has a material for muscle and the labels contain none.
+/// \returns the case; the errors of scan_head(), io::read_boundary_labels(), plan::cut_segments(),
+///   field::build_distance_field(), predict::check_query_range(), and predict::mesh_tissue() or
+///   predict::mesh_tissue_and_skin(); or kPlanInvalid if the plan has a material for muscle and the
+///   labels contain no muscle.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
@@ -76,7 +77,7 @@ struct PreparedCase {
 /// \param tissue    sizes and materials.
 /// \param boundary  interface and boundaries.
 /// \param cache     of the mesh and of the field of stationary bone.
-/// \returns the model, or what predict::mesh_tissue() and field::build_distance_field() return.
+/// \returns the model, or the errors of predict::mesh_tissue() and field::build_distance_field().
 [[nodiscard]] Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                                       const predict::TissueOptions& tissue,
                                                       const predict::BoundaryOptions& boundary,

@@ -178,7 +178,7 @@ Error in_deck(const SolveJob& job, const Error& error) {
 
 Result<solve::PreparedDeck> read_and_prepare(const SolveJob& job, const io::DeckFile& file) {
   LEFORT_TRY_VOID(check_obstacle_files(file));
-  LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
+  LEFORT_TRY_VOID(check_inputs_are_kept(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
   Result<solve::PreparedDeck> prepared = solve::prepare_deck(std::move(mesh), file.deck);
   if (!prepared) return tl::unexpected(in_deck(job, prepared.error()));

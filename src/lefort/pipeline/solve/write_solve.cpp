@@ -143,7 +143,7 @@ std::string csv_row(double time, const std::vector<Vec3>& probes_mm) {
 
 }  // namespace
 
-Result<void> spare_inputs(const fs::path& folder, std::span<const fs::path> inputs) {
+Result<void> check_inputs_are_kept(const fs::path& folder, std::span<const fs::path> inputs) {
   std::error_code error;
   for (const fs::path& file : result_files(folder))
     for (const fs::path& input : inputs)

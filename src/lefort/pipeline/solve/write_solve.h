@@ -21,8 +21,8 @@ namespace lefort::pipeline {
 /// Checks that no result of an earlier run, which would be removed, is an input of this run.
 ///
 /// \param inputs  files that are read.
-/// \returns nothing, or kFileUnwritable, naming the file.
-[[nodiscard]] Result<void> spare_inputs(const std::filesystem::path& folder,
+/// \returns nothing, or kFileUnwritable with the name of the file.
+[[nodiscard]] Result<void> check_inputs_are_kept(const std::filesystem::path& folder,
                                         std::span<const std::filesystem::path> inputs);
 
 /// Removes the results of an earlier run, solve.json first.

@@ -26,7 +26,7 @@ class CalibrationCase {
   /// \param work        folder for the files of this case.
   /// \param setup       see SetupOptions.
   /// \param parameters  that are fitted.
-  /// \returns the case, or what fingerprint_case() returns.
+  /// \returns the case, or the errors of fingerprint_case().
   [[nodiscard]] static Result<CalibrationCase> open(const CohortCase& one,
                                                     const std::filesystem::path& work,
                                                     const SetupOptions& setup,
@@ -36,14 +36,14 @@ class CalibrationCase {
   ///
   /// \param values    of the parameters.
   /// \param progress  of the stages; may request a stop.
-  /// \returns signed distances and areas; or what set_up_case(), prepare_case() and predict_face()
-  ///   return; or kNotConverged.
+  /// \returns signed distances and areas; the errors of set_up_case(), prepare_case() and
+  ///   predict_face(); or kNotConverged.
   [[nodiscard]] Result<CaseResidual> evaluate(std::span<const double> values, Progress& progress);
 
   /// Values of the parameters in the plan of the case, within their bounds; reads the plan.
   [[nodiscard]] Result<std::vector<double>> values_of_plan();
 
-  /// The plan that the last prediction used. \pre values_of_plan() has succeeded.
+  /// The plan of the case, before parameters are set. \pre values_of_plan() has succeeded.
   [[nodiscard]] const io::PlanFile& plan() const { return *plan_; }
 
   [[nodiscard]] const std::string& name() const { return one_.name; }

@@ -28,7 +28,7 @@ struct CalibrationFold {
   FittedValues fitted;
   double fit_error_mm = 0.0;       ///< Mean over the other cases.
   double held_out_error_mm = 0.0;  ///< Of the case, with parameters that were fitted without it.
-  double start_error_mm = 0.0;     ///< Of the case, with the parameters of the plan.
+  double start_error_mm = 0.0;     ///< Of the case, with Calibration::start.
 };
 
 struct Calibration {

@@ -23,21 +23,23 @@ struct CaseFiles {
 };
 
 struct CasePlan {
-  nlohmann::ordered_json json;         ///< Valid; paths are relative to the work folder.
-  std::vector<bool> lacks_movement{};  ///< By segment: it has no path; in `json` it stays in place.
+  nlohmann::ordered_json json;  ///< Valid; paths are relative to the work folder.
+  /// For each segment: the plan has no path for it, and in `json` it stays in place.
+  std::vector<bool> lacks_movement{};
 };
 
-/// The plan of the case, of the cohort or, without both, of the mandible as a whole.
+/// The plan of the case; without one, that of the cohort; without both, a plan that moves the
+/// mandible as a whole.
 ///
 /// \param one              the case.
 /// \param files            named in the plan.
 /// \param element_size_mm  of the mesh near the segments, instead of the plan's. The element size
-///   far from the segments is then at least twice this.
-/// \returns the plan, or kPlanInvalid if it is not one.
+///   far from the segments is then at least twice as large.
+/// \returns the plan, kFileNotFound, kFileCorrupt, or kPlanInvalid.
 [[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
                                           std::optional<double> element_size_mm);
 
-/// Replaces the path of a segment by a straight one, with a step for each millimeter.
+/// Replaces the path of a segment by a straight one, with a step for each millimeter (4 to 60).
 ///
 /// \param plan       of draft_plan().
 /// \param segment    number of the segment.

@@ -19,8 +19,9 @@ namespace lefort::pipeline {
 /// What is compared with the achieved face.
 inline constexpr std::array kMethods{"prediction", "no_change", "ratio_rule"};
 
-/// Statistics of one method in one region of a case. All but the last three are of the absolute
-/// distance; the last three are means of prediction minus achieved along the axes of L.
+/// Statistics of one method in one region of a case. The first five are of the absolute distance.
+/// mean_signed_mm is of the signed distance, positive outside the achieved face. The last three are
+/// means of predicted minus achieved position along the axes of L.
 inline constexpr std::array kStatistics{
     "mean_mm",        "median_mm", "p90_mm",    "fraction_below_1mm", "fraction_below_2mm",
     "mean_signed_mm", "mean_x_mm", "mean_y_mm", "mean_z_mm"};
@@ -31,7 +32,7 @@ using MethodStatistics = std::array<double, kStatistics.size()>;
 struct RegionResult {
   std::string region;
   double area_mm2 = 0.0;           ///< Of the skin before surgery.
-  double compared_fraction = 0.0;  ///< Of that area, for the prediction.
+  double compared_fraction = 0.0;  ///< Of the area of the predicted skin.
   std::array<MethodStatistics, kMethods.size()> methods{};
   /// Mean displacement of the skin along y (posterior), from the face before surgery to the closest
   /// point of the achieved face, and to that of the predicted face.

@@ -15,8 +15,8 @@ namespace lefort::pipeline {
 /// \param cohort   folder of case folders.
 /// \param output   folder of the reports.
 /// \param reports  names of the files that the run writes.
-/// \returns the case folders, ascending by name; what list_cases() returns; kInvalidArgument if one
-///   of `cohort` and `output` contains the other; or kFileUnwritable.
+/// \returns the case folders, ascending by name; the errors of list_cases(); kInvalidArgument if
+///   one of `cohort` and `output` contains the other; or kFileUnwritable.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> open_cohort(
     const std::filesystem::path& cohort, const std::filesystem::path& output,
     std::span<const char* const> reports);

@@ -28,7 +28,7 @@ struct CohortResults {
 /// One line per case, region and method; a case that failed has one line with the reason.
 [[nodiscard]] std::string cohort_csv(const CohortResults& results);
 
-/// \param pictures  of the cases, by kPictureTitle; may be empty.
+/// \param pictures  of the cases; may be empty.
 [[nodiscard]] report::CaseReport cohort_report(const CohortResults& results,
                                                std::vector<report::ReportPicture> pictures);
 

@@ -27,7 +27,7 @@ struct CohortRegion {
   /// Mean error of the method minus that of the prediction, case by case; positive: the prediction
   /// is better. That of the prediction itself is 0.
   std::array<CohortValue, kMethods.size()> gain_mm{};
-  /// Fraction of all cases, including those that failed, whose mean error is at most 1 and 2 mm.
+  /// Fractions of all cases, including those that failed, with a mean error of at most 1 mm, 2 mm.
   double cases_within_1mm_fraction = 0.0, cases_within_2mm_fraction = 0.0;
   /// Of the predicted and the achieved displacement of the skin along y.
   compare::Agreement agreement_y{};

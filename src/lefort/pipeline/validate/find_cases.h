@@ -46,10 +46,11 @@ struct CohortCase {
 /// \returns the case; or kInvalidArgument if before or after is missing or ambiguous.
 [[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder);
 
-/// Hash of the contents of all inputs of a case, and of the files that its plan names. Their names
-/// and the place of the cohort do not matter.
+/// Hash of the contents of all inputs of a case, and of the files that its plan names. The names of
+/// the inputs and the place of the cohort do not matter; the order of names in a folder of DICOM
+/// files does.
 ///
-/// \returns 64 hexadecimal digits, or what reading a file returns.
+/// \returns 64 hexadecimal digits, or the errors of io::sha256_of_file().
 [[nodiscard]] Result<std::string> fingerprint_case(const CohortCase& one);
 
 /// A message without the paths of the cohort and the output, which may identify a person.

@@ -33,15 +33,15 @@ struct FitProblem {
 
 struct FitOptions {
   int max_iterations = 8;   ///< >= 1.
-  double tolerance = 2e-3;  ///< Largest change of a coordinate in the last iteration.
+  double tolerance = 2e-3;  ///< Converged when no coordinate changes by more than this.
   double max_step = 0.3;    ///< Of a coordinate, in one iteration.
 };
 
 /// Objective of one case and its derivatives.
 struct CaseLinearization {
   double objective = 0.0;     ///< Weighted mean of squares of the residual [mm^2].
-  VectorX gradient;           ///< J^T W r.
-  Eigen::MatrixXd curvature;  ///< J^T W J.
+  VectorX gradient;           ///< J^T W r over the sum of the weights [mm^2].
+  Eigen::MatrixXd curvature;  ///< J^T W J over the sum of the weights [mm^2].
 };
 
 struct ParameterFit {

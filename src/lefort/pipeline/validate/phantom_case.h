@@ -41,7 +41,7 @@ inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
 ///
 /// \param job      voxel and element size, seed.
 /// \param number   of the case, from 0.
-/// \param attempt  from 0; each has other numbers.
+/// \param attempt  from 0; each has other random numbers.
 [[nodiscard]] PhantomCase draw_case(const PhantomCohortJob& job, int number, int attempt = 0);
 
 /// The scan of a case and its true labels: the synthetic head, stretched by its scale.

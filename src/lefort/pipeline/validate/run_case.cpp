@@ -122,7 +122,7 @@ Result<void> compare_case(const CaseJob& job, const CaseSetup& setup, const fs::
 Result<CaseResult> compute_case(const CaseJob& job, const CohortCase& one, const fs::path& work,
                                 CaseResult result, Progress& progress) {
   LEFORT_TRY(const CaseSetup setup, set_up_case(one, work, job.setup, progress));
-  result.movement = setup.are_movements_achieved ? "achieved" : "plan";
+  result.movement = setup.has_achieved_movements ? "achieved" : "plan";
   result.registered_on = setup.registration ? "bone" : "none";
   result.segments = movements_of(setup);
   const fs::path prediction = work / "prediction";

@@ -20,8 +20,9 @@ struct CaseJob {
   bool pictures = true;
 };
 
-/// Returns the stored result if inputs and options are unchanged, or else predicts, compares and
-/// stores it in `output`/cases/NAME/result.json. A case that fails has a result with the reason.
+/// Returns the stored result if inputs and options are unchanged. Otherwise predicts and compares,
+/// and stores the result in `output`/cases/NAME/result.json. A case that fails has a result with
+/// the reason, which is stored too.
 ///
 /// \returns the result; or kCancelled, kFileUnwritable or kOutOfMemory, which are not properties of
 ///   the case.
@@ -34,7 +35,7 @@ class CaseProgress : public Progress {
  public:
   /// \param prefix  of stages and notes.
   /// \param inner   outlives this object.
-  /// \param notes   dropped where the same stages run many times.
+  /// \param notes   kDrop where the same stages run many times.
   CaseProgress(std::string prefix, Progress& inner, CaseNotes notes = CaseNotes::kForward)
       : prefix_(std::move(prefix)), inner_(inner), notes_(notes) {}
   void begin_stage(std::string_view name) override {

@@ -153,9 +153,9 @@ Result<CaseSetup> set_up_case(const CohortCase& one, const fs::path& work,
   LEFORT_TRY(HeadAfter after, read_after(one, plan, setup.cache, progress));
   LEFORT_TRY(setup.registration, register_after(one, bones, after, progress));
   if (options.achieved_movements) draft.lacks_movement.assign(bones.segments.size(), true);
-  setup.are_movements_achieved = std::find(draft.lacks_movement.begin(), draft.lacks_movement.end(),
+  setup.has_achieved_movements = std::find(draft.lacks_movement.begin(), draft.lacks_movement.end(),
                                            true) != draft.lacks_movement.end();
-  if (setup.are_movements_achieved) {
+  if (setup.has_achieved_movements) {
     LEFORT_TRY(const std::vector<RigidTransform> found_LB,
                find_movements(bones, after.bone, progress));
     for (std::size_t k = 0; k < found_LB.size(); ++k) {

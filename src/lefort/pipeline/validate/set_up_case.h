@@ -21,7 +21,7 @@ namespace lefort::pipeline {
 struct SetupOptions {
   bool achieved_movements = false;          ///< ValidateJob::achieved_movements.
   std::optional<double> element_size_mm{};  ///< Instead of the plan's.
-  double voxel_mm = 1.0;                    ///< Of cases that are known as surfaces.
+  double voxel_mm = 1.0;                    ///< ValidateJob::voxel_mm.
 };
 
 struct CaseSetup {
@@ -30,9 +30,10 @@ struct CaseSetup {
   plan::CutSegments cut;                 ///< The bones before surgery.
   std::vector<std::string> segments;     ///< Names.
   std::vector<RigidTransform> moved_LB;  ///< Pose of each segment at the end of its path.
-  bool are_movements_achieved = false;   ///< Of a segment or more: found in the bone after surgery.
+  /// Whether the movement of a segment or more was found in the bone after surgery.
+  bool has_achieved_movements = false;
   geometry::TriangleMesh skin_after_L;
-  /// Registration of the bone after surgery; none if the skin alone is known, in frame L.
+  /// Registration of the bone after surgery; none if only the skin is known, which is in frame L.
   std::optional<compare::Registration> registration{};
   plan::Landmarks landmarks;  ///< Before surgery; may be empty.
 };
@@ -45,7 +46,7 @@ struct CaseSetup {
 /// \param work     folder for the files of this case.
 /// \param options  see SetupOptions.
 /// \returns the setup; kPlanInvalid if the movement is neither in the plan nor in bone after
-///   surgery; or what reading, segmenting, cutting and registering return.
+///   surgery; or the errors of reading, segmenting, cutting and registering.
 [[nodiscard]] Result<CaseSetup> set_up_case(const CohortCase& one,
                                             const std::filesystem::path& work,
                                             const SetupOptions& options, Progress& progress);
@@ -58,7 +59,7 @@ struct CaseRegions {
 
 /// \param setup   its landmarks and bones are used.
 /// \param skin_L  before surgery.
-/// \returns the regions; or what FaceRegions::from() and estimate_landmarks() return; or
+/// \returns the regions; the errors of FaceRegions::from() and estimate_landmarks(); or
 ///   kAnatomyMissing if no vertex lies in a region.
 [[nodiscard]] Result<CaseRegions> find_regions(const CaseSetup& setup,
                                                const geometry::TriangleMesh& skin_L);

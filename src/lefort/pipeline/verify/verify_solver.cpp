@@ -42,7 +42,7 @@ std::string command_of(const VerifyJob& job) {
 constexpr const char* kReport = "verification.md";
 
 /// Checks that a part of the suite, or its short form, does not overwrite a full report.
-Result<void> spare_full_report(const VerifyJob& job) {
+Result<void> check_full_report_is_kept(const VerifyJob& job) {
   constexpr std::uintmax_t kMaxReport = 100'000'000;
   if (job.full && job.only.empty()) return {};
   const Result<std::string> there = io::read_text(job.output / kReport, kMaxReport);
@@ -58,7 +58,7 @@ Result<void> spare_full_report(const VerifyJob& job) {
 
 Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress) {
   if (!job.output.empty()) {
-    LEFORT_TRY_VOID(spare_full_report(job));
+    LEFORT_TRY_VOID(check_full_report_is_kept(job));
     LEFORT_TRY_VOID(io::make_output_folder(job.output));
   }
   const verify::SuiteOptions options{

@@ -1,5 +1,5 @@
 /// \file
-/// Ray casting with Embree. Only this class uses it.
+/// Ray casting with Embree. In this layer, only this class uses Embree.
 #pragma once
 
 #include <lefort/core/error.h>

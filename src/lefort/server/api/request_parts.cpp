@@ -74,7 +74,7 @@ Body read_body(const Request& request, std::uint64_t max_bytes, std::string_view
 
 JsonBody read_json(const Request& request, const std::string& schema) {
   Body body = read_body(request, kMaxBody, "application/json");
-  if (!body.text) return {std::nullopt, {}, std::move(body.refused)};
+  if (!body.text) return {std::nullopt, {}, std::move(body.error)};
   auto value = parse_by_contract(*body.text, schema);
   if (!value) return {std::nullopt, {}, error_response(value.error(), "body")};
   return {*std::move(value), *std::move(body.text), {}};

@@ -24,9 +24,11 @@ inline constexpr const char* kBoundaryFile = "boundary.seg.nrrd";
 /// A folder that is locked against other servers during the lifetime of this object. Thread-safe.
 class CaseFolder {
  public:
-  /// Makes the folder, if missing, accessible to its owner only, and removes earlier uploads.
+  /// Creates the folder if it is missing, accessible to its owner only; otherwise removes what a
+  /// killed server left, such as uploads, and completes an interrupted replace_scan().
   ///
-  /// \returns kFileUnwritable: it cannot be made or written, or another server uses it.
+  /// \returns the folder, or kFileUnwritable if it cannot be made or written, or another server
+  ///   uses it.
   [[nodiscard]] static Result<CaseFolder> open(const std::filesystem::path& folder);
   ~CaseFolder();
   CaseFolder(CaseFolder&&) noexcept;
@@ -57,7 +59,7 @@ class CaseFolder {
   /// file.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
 
-  /// The same as an entity tag, in quotes.
+  /// The first 16 digits of fingerprint() as an entity tag, in quotes.
   [[nodiscard]] std::optional<std::string> etag(const std::filesystem::path& file) const;
 
   /// Fingerprints of the inputs of a stage, by name.
@@ -71,8 +73,8 @@ class CaseFolder {
   /// Stores the fingerprints of the inputs of a stage.
   [[nodiscard]] Result<void> record_inputs(std::string_view stage, const Inputs& inputs);
 
-  /// Stores that landmarks, plan or painted boundary conditions were made on the present scan. They
-  /// are stale with another one.
+  /// Stores that landmarks, plan or painted boundary conditions were made on the present scan. With
+  /// another scan they are stale.
   ///
   /// \param stage  "landmarks", "plan", "boundary".
   [[nodiscard]] Result<void> record_scan(std::string_view stage);
@@ -92,7 +94,7 @@ class CaseFolder {
   /// \param stage  "cut", "check", "preview", "prediction"; other stages have no such document.
   [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
 
-  /// State of each stage (contract/openapi.json, Stage), without jobs.
+  /// State of a stage of kStages (contract/openapi.json, Stage), without jobs.
   [[nodiscard]] nlohmann::json stage(std::string_view stage) const;
 
  private:
@@ -141,7 +143,9 @@ inline constexpr const char* kStages[] = {"scan",       "anatomy",   "landmarks"
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);
 
-/// \returns nothing, or kPlanInvalid: `plan` names a file that a case does not have.
+/// \param text  of a plan.
+/// \returns nothing, or kPlanInvalid if the plan is not an object with segments, or names a file
+///   that a case does not have.
 [[nodiscard]] Result<void> check_files_of_plan(const std::string& text);
 
 }  // namespace lefort::server

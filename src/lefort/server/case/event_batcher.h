@@ -9,7 +9,7 @@
 
 namespace lefort::server {
 
-/// Passes iterates on in batches, at most one per kPause; the rest at flush().
+/// Passes iterates on in batches, at most one batch per kPause; the rest at flush().
 class EventBatcher {
  public:
   using Clock = std::chrono::steady_clock;

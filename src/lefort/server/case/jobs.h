@@ -30,12 +30,12 @@ struct JobRecord {
   nlohmann::json parameters = nlohmann::json::object();
   std::string state;      ///< "queued", "running", "done", "failed", "cancelled", "interrupted".
   std::string stage;      ///< Name of the current stage.
-  double fraction = 0.0;  ///< Part of the stage that is done, 0 to 1.
+  double fraction = 0.0;  ///< Fraction of the stage that is done, 0 to 1.
   std::deque<std::string> lines;  ///< The last notes.
-  std::string message;            ///< Result or error, one line.
+  std::string message;            ///< Result, in one or more lines, or error, in one line.
   nlohmann::json result;
   std::optional<bool> has_findings;
-  std::string created, ended;  ///< UTC, ISO 8601; `ended` is empty before.
+  std::string created, ended;  ///< UTC, ISO 8601; `ended` is empty until the job ends.
 
   [[nodiscard]] bool is_over() const { return state != "queued" && state != "running"; }
 };
@@ -54,7 +54,7 @@ class Jobs {
  public:
   /// Runs a job, on the worker thread.
   using Work = std::function<Result<JobOutcome>(const JobRecord& job, Progress& progress)>;
-  /// Called, on any thread, when a job has started or ended.
+  /// Called, on any thread, when a job was queued, started, ended, or requested to stop.
   using Changed = std::function<void()>;
 
   /// Reads the records of earlier servers; jobs that had not ended become `interrupted`.
@@ -72,10 +72,12 @@ class Jobs {
   [[nodiscard]] std::optional<JobRecord> last_of(std::string_view kind) const;
   [[nodiscard]] bool is_idle() const;
 
-  /// Requests a job to stop; a job that has ended is unchanged. Nothing if there is no such job.
+  /// Requests a running job to stop and cancels a queued one; a job that has ended is unchanged.
+  ///
+  /// \returns the job; nothing if it does not exist.
   [[nodiscard]] std::optional<JobRecord> cancel(int id);
 
-  /// Stops the running job. The next server reports it, and those queued, as interrupted.
+  /// Stops the running job. The next server reports this job and the queued ones as interrupted.
   void stop();
 
  private:

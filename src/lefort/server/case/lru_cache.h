@@ -11,14 +11,14 @@
 
 namespace lefort::server {
 
-/// Cache of the last things read, by name and entity tag of the file. Thread-safe; concurrent
-/// readers of one thing wait, so that it is read once.
+/// Cache of the values used last, by name and entity tag of the file. Thread-safe; other callers
+/// wait while a value is read, so that it is read once.
 template <class Value>
 class LruCache {
  public:
   explicit LruCache(std::size_t maximum) : max_count_(maximum) {}
 
-  /// \param read  returns Result<Thing>.
+  /// \param read  returns Result<Value>.
   template <class Read>
   [[nodiscard]] Result<std::shared_ptr<const Value>> get(const std::string& name,
                                                          const std::string& etag,

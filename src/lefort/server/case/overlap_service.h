@@ -22,18 +22,21 @@ using Poses = std::map<std::string, RigidTransform>;
 class OverlapService {
  public:
   /// Reads the files of cut_plan().
+  ///
+  /// \returns the bones; kFileCorrupt if cut.json is damaged; or the errors of io::read_surface()
+  ///   and io::read_field().
   [[nodiscard]] static Result<OverlapService> read(const std::filesystem::path& cut_folder,
                                                    const std::filesystem::path& cache);
 
   struct Depths {
-    std::vector<std::pair<std::string, Index>> segments;  ///< Those moved, and their vertices.
+    std::vector<std::pair<std::string, Index>> segments;  ///< Named segments, number of vertices.
     std::vector<double> depth_mm;  ///< Of each vertex, one segment after the other; 0 outside.
     double deepest_mm = 0.0;
     bool depth_is_lower_bound = false;  ///< A depth exceeds the band of a field.
   };
 
   /// Depth of the vertices of the named segments in stationary bone and in the other segments. A
-  /// segment that is not named is where it was scanned. Depths up to contact::kTouching_mm are 0.
+  /// segment that is not named has its scanned pose. Depths up to contact::kTouching_mm are 0.
   ///
   /// \returns the depths; kInvalidArgument if a segment does not exist.
   [[nodiscard]] Result<Depths> depths(const Poses& poses) const;

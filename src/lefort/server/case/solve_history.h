@@ -25,13 +25,13 @@ class SolveHistory {
   std::size_t add_iterates(const nlohmann::json& iterates);
   void add_step(nlohmann::json step);
 
-  /// contract/openapi.json, SolveHistory; nothing unless that job is the last.
+  /// contract/openapi.json, SolveHistory; nothing unless `job` is the last solve.
   [[nodiscard]] std::optional<nlohmann::json> of(int job) const;
 
  private:
   mutable std::mutex mutex_;
   int job_ = 0;
-  std::size_t forgotten_ = 0;  ///< Number of removed iterates.
+  std::size_t removed_ = 0;  ///< Number of removed iterates.
   std::deque<nlohmann::json> iterates_;
   nlohmann::json steps_ = nlohmann::json::array();
 };

@@ -21,8 +21,8 @@ struct UploadLimits {
   int uploads = 4;                                   ///< At a time; another one removes the oldest.
 };
 
-/// Stored in a folder under generated names: original names, which may contain the name of a
-/// patient, are not kept, except the file ending. Thread-safe.
+/// Uploaded files, stored in a folder under generated names: of the original names, which may
+/// contain the name of a patient, only the file ending is kept. Thread-safe.
 class Uploads {
  public:
   explicit Uploads(std::filesystem::path folder, UploadLimits limits = {});

@@ -11,7 +11,7 @@
 
 namespace lefort::server {
 
-/// Hosts, origins and token that a request of the server's own page has.
+/// Hosts, origins and token of requests by the server's own page.
 struct Credentials {
   std::set<std::string> hosts, origins;  ///< Of this server, in lower case, with the port.
   std::string token;

@@ -1,5 +1,5 @@
 /// \file
-/// A client's socket with timeouts for everything it sends and receives.
+/// A client's socket with timeouts for all bytes that are sent and received.
 #pragma once
 
 #include <lefort/server/http/http_server.h>
@@ -34,9 +34,9 @@ class Connection final : public httplib::Stream {
   /// Starts the phase of events: no total timeout, only a timeout for each piece.
   void begin_events() { phase_ = Phase::kEvents; }
 
-  /// Whether it occupies a thread without a request.
+  /// Whether the connection occupies a thread without a complete request header.
   [[nodiscard]] bool is_waiting() const { return is_waiting_; }
-  /// Start of this waiting. \pre is_waiting().
+  /// Time at which the wait for a request header began. \pre is_waiting().
   [[nodiscard]] Clock::time_point since() const { return since_.load(); }
 
   /// Ends the connection, from another thread. \pre the socket is open.

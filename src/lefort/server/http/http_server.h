@@ -1,8 +1,9 @@
 /// \file
 /// HTTP/1.1 server of the API and the page, for one user on this machine.
 ///
-/// A request is rejected before its body is read if it has another Host (DNS rebinding), a foreign
-/// Origin, a wrong or missing token, a body of no stated or too large length, or a transfer coding.
+/// A request is rejected before its body is read if it has a Host other than this server (DNS
+/// rebinding), a foreign Origin, a wrong or missing token (API only), a body whose length is not
+/// stated or too large, or a transfer coding.
 /// Connections, threads, header bytes and time are limited; slow connections are evicted when
 /// others wait.
 #pragma once
@@ -23,7 +24,7 @@ struct HttpLimits {
   int listeners = 16;  ///< Concurrent event streams.
   int waiting = 1024;  ///< Connections that wait for a thread; others are rejected.
   std::size_t header_bytes = 32 << 10;          ///< Request line and headers.
-  std::chrono::milliseconds header_time{5000};  ///< To receive them.
+  std::chrono::milliseconds header_time{5000};  ///< To receive the header.
   std::chrono::milliseconds idle_time{15000};   ///< Between two requests.
   /// Time without a complete header after which a connection is evicted if another one waits.
   std::chrono::milliseconds eviction_timeout{100};
@@ -34,7 +35,7 @@ struct HttpLimits {
 struct HttpOptions {
   std::string host = "127.0.0.1";  ///< The address to listen at.
   int port = 0;                    ///< 0: any free port.
-  std::string token;               ///< Required in every request about the case.
+  std::string token;               ///< Required by the API; at least 32 characters.
   HttpLimits limits;
 };
 
@@ -54,8 +55,8 @@ class HttpServer {
 
   /// Binds the port.
   ///
-  /// \returns the port; or kInvalidArgument if the port is in use, or if the address is a wildcard
-  ///   or none of this machine.
+  /// \returns the port; or kInvalidArgument if the port is in use, or the address is a wildcard or
+  ///   not an address of this machine.
   [[nodiscard]] Result<int> bind();
 
   /// Serves until stop(). \pre bind() succeeded.

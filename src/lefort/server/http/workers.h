@@ -15,17 +15,17 @@
 
 namespace lefort::server {
 
-/// New connections are rejected when too many wait for a thread. A connection that occupies a
-/// thread without a request is evicted.
+/// New connections are rejected when too many wait for a thread. While connections wait, one that
+/// occupies a thread without a complete request header is evicted.
 class Workers final : public httplib::TaskQueue {
  public:
-  /// \param limits  must outlive this.
+  /// \param limits  must outlive this object.
   explicit Workers(const HttpLimits& limits);
 
   void enqueue(std::function<void()> task) override;
   void shutdown() override;
 
-  /// Connections that can be evicted, until they unregister.
+  /// Registers a connection that can be evicted until leave().
   void enter(const Connection* connection);
   void leave(const Connection* connection);
 

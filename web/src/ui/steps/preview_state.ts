@@ -10,12 +10,12 @@ const OVERLAP_LIMIT_MM = 0.5;
 /** Overlap of the bones at the shown pose. */
 export function overlapNotice(s: State): Html {
   if (!s.depth) return nothing;
-  const { deepest_mm, beyondReach, perSecond } = s.depth;
+  const { deepest_mm, depthIsLowerBound, perSecond } = s.depth;
   const rate =
     perSecond > 0
       ? html`<small data-id="update-rate" data-rate=${perSecond.toFixed(1)}> ${fixed(perSecond, 0)} updates/s</small>`
       : nothing;
-  if (beyondReach)
+  if (depthIsLowerBound)
     return notice(
       'error',
       'Bones overlap deeply',

@@ -219,7 +219,7 @@ Response put_boundary_data(ServedCase& served, const Request& request, const Pat
         "within the scan",
         "box");
   Body body = read_body(request, box->voxels(), "application/octet-stream");
-  if (!body.text) return body.refused;
+  if (!body.text) return body.error;
   if (body.text->size() != box->voxels())
     return error_response(
         422, "invalid",
@@ -241,7 +241,7 @@ Response put_boundary_file(ServedCase& served, const Request& request, const Pat
   const auto ct = served.volume();
   if (!ct) return error_response(ct.error());
   Body body = read_body(request, kMaxFile, "application/octet-stream");
-  if (!body.text) return body.refused;
+  if (!body.text) return body.error;
   std::error_code error;
   fs::create_directories(served.folder.uploads(), error);
   const fs::path file =

@@ -38,7 +38,7 @@ Response get_jobs(ServedCase& served, const Request&, const PathValues&) {
 
 Response post_job(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "JobRequest");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   const std::string kind = (*body.value)["kind"];
   const auto kinds = job_kinds();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())

@@ -38,7 +38,7 @@ Response get_landmarks(ServedCase& served, const Request& request, const PathVal
 
 Response put_landmarks(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Landmarks");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   plan::Landmarks landmarks = as_landmarks((*body.value)["landmarks"]);
   const std::scoped_lock lock(served.writing);
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.landmarks())))
@@ -60,7 +60,7 @@ Response put_landmarks(ServedCase& served, const Request& request, const PathVal
 
 Response post_measurements(ServedCase&, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "MeasurementsRequest");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   const auto before = plan::measure(as_landmarks((*body.value)["before"]));
   if (!before) return error_response(before.error(), "before");
   std::vector<plan::Measurement> after_table;

@@ -48,7 +48,7 @@ Result<Poses> as_poses(const json& poses) {
 
 Response post_poses(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Poses");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   const auto poses = as_poses((*body.value)["poses"]);
   if (!poses) return error_response(poses.error(), "poses");
   const auto etag = served.folder.etag(served.folder.cut() / "cut.json");
@@ -65,7 +65,7 @@ Response post_poses(ServedCase& served, const Request& request, const PathValues
     segments += fmt::format("{}{}={}", segments.empty() ? "" : ",", name, vertices);
   reply.headers.emplace_back("X-Lefort-Segments", segments);
   reply.headers.emplace_back("X-Lefort-Deepest-Mm", fmt::format("{:.3f}", depths->deepest_mm));
-  reply.headers.emplace_back("X-Lefort-Beyond-Reach", depths->depth_is_lower_bound ? "1" : "0");
+  reply.headers.emplace_back("X-Lefort-Depth-Is-Lower-Bound", depths->depth_is_lower_bound ? "1" : "0");
   return reply;
 }
 
@@ -81,7 +81,7 @@ std::vector<std::string> previewed_segments(ServedCase& served) {
 
 Response post_preview(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Poses");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   const auto poses = as_poses((*body.value)["poses"]);
   if (!poses) return error_response(poses.error(), "poses");
   const auto segments = previewed_segments(served);

@@ -27,7 +27,7 @@ Response get_plan(ServedCase& served, const Request& request, const PathValues&)
 
 Response put_plan(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Plan");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   if (const auto files = check_files_of_plan(body.text); !files)
     return error_response(files.error());
   const auto plan = io::parse_plan(body.text, served.folder.root());
@@ -69,7 +69,7 @@ Response get_plan_poses(ServedCase& served, const Request& request, const PathVa
 
 Response post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "OsteotomyRequest");
-  if (!body.value) return body.refused;
+  if (!body.value) return body.error;
   // Read as a plan reads it.
   const json plan_json{{"lefort_plan", 1},
                        {"landmarks", (*body.value)["landmarks"]},

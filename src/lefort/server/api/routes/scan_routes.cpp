@@ -108,7 +108,7 @@ Response put_labels_data(ServedCase& served, const Request& request, const PathV
   if (!ct) return error_response(ct.error());
   const auto voxels = std::uint64_t((*ct)->grid.voxel_count());
   Body body = read_body(request, voxels, "application/octet-stream");
-  if (!body.text) return body.refused;
+  if (!body.text) return body.error;
   if (body.text->size() != voxels)
     return error_response(422, "invalid",
                           fmt::format("the body must have {} bytes, one per voxel, it "

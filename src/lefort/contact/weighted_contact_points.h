@@ -1,8 +1,8 @@
 /// \file
-/// Parts of MortarContactTerm that its source files have in common.
+/// Parts of WeightedContactTerm that its source files have in common.
 #pragma once
 
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/point_in_patch.h>
 
 #include <limits>
@@ -20,14 +20,14 @@ namespace lefort::contact {
 }
 
 /// g_a and its derivatives.
-struct MortarContactTerm::PatchGap {
+struct WeightedContactTerm::PatchGap {
   double gap_mm = 0.0;  ///< g_a.
   /// G_a, three per node.
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * fem::kMaxLocalNodes, 1> gradient_mm2;
 };
 
 template <class Function>
-void MortarContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
+void WeightedContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
                                               std::size_t patch, std::span<const Vec3> x_L,
                                               bool wants_hessian, const Function& f,
                                               double max_depth_factor) const {

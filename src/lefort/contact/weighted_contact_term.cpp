@@ -1,6 +1,6 @@
 #include <lefort/contact/dense_faces.h>
-#include <lefort/contact/mortar_contact_points.h>
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_points.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/contact/point_in_patch.h>
 #include <lefort/contact/step_bound.h>
@@ -66,7 +66,7 @@ constexpr double kRounding = 1e-9;
 /// the element size.
 constexpr double kRemeasured = 0.25;
 
-/// Rounds of carried(): each carries the neighbors of patches that the one before it carried.
+/// Rounds of moved_with_bones(): each carries the neighbors of patches that the one before it moved_with_bones.
 constexpr int kMaxCarryRounds = 20;
 
 Mat3 positive_part(const Mat3& symmetric) {
@@ -77,7 +77,7 @@ Mat3 positive_part(const Mat3& symmetric) {
 
 }  // namespace
 
-MortarContactTerm::MortarContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
+WeightedContactTerm::WeightedContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                                      std::vector<RigidObstacle> bones, const Options& options)
     : obstacles_(std::move(bones)),
       options_(options),
@@ -120,7 +120,7 @@ MortarContactTerm::MortarContactTerm(std::span<const Vec3> nodes_L, std::vector<
   find_bone_points(nodes_L);
 }
 
-void MortarContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
+void WeightedContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     double radius_mm = 0.0;
     for (const std::int32_t n : patches_[p].nodes)
@@ -141,7 +141,7 @@ void MortarContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
   find_rest_depths(vertices_, nodes_L);
 }
 
-void MortarContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
+void WeightedContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
                                          std::span<const Vec3> nodes_L) const {
   std::vector<std::vector<double>> at_rest;
   for (PointsWithRest& of_bone : points) {
@@ -162,7 +162,7 @@ void MortarContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
     points[bone].rest_depths_mm = std::move(at_rest[bone]);
 }
 
-void MortarContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3> x_L,
+void WeightedContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3> x_L,
                                          fem::LocalEquations& local) const {
   const bool is_exact = local.tangent == fem::Tangent::kExact;
   for_each_point_behind(
@@ -206,13 +206,13 @@ void MortarContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3
       });
 }
 
-bool MortarContactTerm::is_conservative(const fem::DofMap& /*dofs*/) const {
+bool WeightedContactTerm::is_conservative(const fem::DofMap& /*dofs*/) const {
   return std::all_of(obstacles_.begin(), obstacles_.end(), [](const RigidObstacle& obstacle) {
     return obstacle.distance_query_B->has_exact_derivatives();
   });
 }
 
-bool MortarContactTerm::measure(const NodePatch& patch, std::span<const Vec3> x_L,
+bool WeightedContactTerm::measure(const NodePatch& patch, std::span<const Vec3> x_L,
                                 fem::LocalEquations* local, PatchGap& gap) const {
   const bool wants_hessian = local != nullptr && local->wants_stiffness();
   gap.gradient_mm2.setZero(3 * Index(x_L.size()));
@@ -251,7 +251,7 @@ bool MortarContactTerm::measure(const NodePatch& patch, std::span<const Vec3> x_
   return true;
 }
 
-bool MortarContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
+bool WeightedContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                                  fem::LocalEquations& local) const {
   const NodePatch& patch = patches_[std::size_t(item)];
   if (is_clear(std::size_t(item), x_L)) {
@@ -287,7 +287,7 @@ bool same_active_patches(const ActiveSet& a, const ActiveSet& b) {
                     [](double p, double q) { return (p > 0.0) == (q > 0.0); });
 }
 
-ActiveSet MortarContactTerm::active_set(std::span<const Vec3> x_L) const {
+ActiveSet WeightedContactTerm::active_set(std::span<const Vec3> x_L) const {
   ActiveSet active(patches_.size(), 0.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
     const NodePatch& patch = patches_[std::size_t(p)];
@@ -300,7 +300,7 @@ ActiveSet MortarContactTerm::active_set(std::span<const Vec3> x_L) const {
   return active;
 }
 
-ActiveSet MortarContactTerm::updated_active_set(const ActiveSet& active,
+ActiveSet WeightedContactTerm::updated_active_set(const ActiveSet& active,
                                                 std::span<const Vec3> from_L,
                                                 std::span<const Vec3> to_L, double length) const {
   ActiveSet updated(active.size(), 0.0);
@@ -323,7 +323,7 @@ ActiveSet MortarContactTerm::updated_active_set(const ActiveSet& active,
   return updated;
 }
 
-std::vector<Vec3> MortarContactTerm::own_points(const NodePatch& patch,
+std::vector<Vec3> WeightedContactTerm::own_points(const NodePatch& patch,
                                                 std::span<const Vec3> x_L) const {
   std::vector<Vec3> points_L{x_L[std::size_t(patch.node())]};
   for (const PatchFace& part : patch.faces) {
@@ -338,7 +338,7 @@ std::vector<Vec3> MortarContactTerm::own_points(const NodePatch& patch,
   return points_L;
 }
 
-double MortarContactTerm::max_step_length(std::span<const Vec3> x_L,
+double WeightedContactTerm::max_step_length(std::span<const Vec3> x_L,
                                           std::span<const Vec3> dx_L) const {
   std::vector<double> allowed(patches_.size(), 1.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
@@ -352,7 +352,7 @@ double MortarContactTerm::max_step_length(std::span<const Vec3> x_L,
   return *std::min_element(allowed.begin(), allowed.end());
 }
 
-std::vector<MortarContactTerm::Passage> MortarContactTerm::passages(
+std::vector<WeightedContactTerm::Passage> WeightedContactTerm::passages(
     std::span<const Vec3> from_L, std::span<const RigidTransform> from_X_LB,
     std::span<const Vec3> to_L) const {
   std::vector<Passage> first(patches_.size());
@@ -372,7 +372,7 @@ std::vector<MortarContactTerm::Passage> MortarContactTerm::passages(
   return first;
 }
 
-double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
+double WeightedContactTerm::max_motion(std::span<const Vec3> from_L,
                                      std::span<const RigidTransform> from_X_LB,
                                      std::span<const Vec3> to_L) const {
   double fraction = 1.0;
@@ -381,7 +381,7 @@ double MortarContactTerm::max_motion(std::span<const Vec3> from_L,
   return fraction;
 }
 
-std::vector<Vec3> MortarContactTerm::carried(std::span<const Vec3> from_L,
+std::vector<Vec3> WeightedContactTerm::moved_with_bones(std::span<const Vec3> from_L,
                                              std::span<const RigidTransform> from_X_LB,
                                              std::vector<Vec3> to_L) const {
   for (int round = 0; round < kMaxCarryRounds; ++round) {
@@ -400,11 +400,11 @@ std::vector<Vec3> MortarContactTerm::carried(std::span<const Vec3> from_L,
   return to_L;
 }
 
-std::string MortarContactTerm::inadmissible_cause() const {
+std::string WeightedContactTerm::inadmissible_cause() const {
   return "tissue lies deeper in a bone than the band of its distance field (field.band_mm)";
 }
 
-void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
+void WeightedContactTerm::note_clearances(std::span<const Vec3> x_L) {
   Clearances now{.x_L = {x_L.begin(), x_L.end()}, .X_LB = {}, .gaps_mm = {}, .points = {}};
   for (const RigidObstacle& obstacle : obstacles_) now.X_LB.push_back(obstacle.X_LB);
   now.gaps_mm.assign(patches_.size(), 0.0);
@@ -425,7 +425,7 @@ void MortarContactTerm::note_clearances(std::span<const Vec3> x_L) {
   clearances_ = std::move(now);
 }
 
-double MortarContactTerm::moved_since_note_mm(std::size_t bone, std::size_t patch,
+double WeightedContactTerm::moved_since_note_mm(std::size_t bone, std::size_t patch,
                                               std::span<const Vec3> x_L) const {
   if (clearances_.x_L.empty()) return std::numeric_limits<double>::infinity();
   const RigidTransform moved = obstacles_[bone].X_LB * clearances_.X_LB[bone].inverse();
@@ -439,7 +439,7 @@ double MortarContactTerm::moved_since_note_mm(std::size_t bone, std::size_t patc
   return (1.0 + kRounding) * std::sqrt(squared_mm2) + kRounding;
 }
 
-double MortarContactTerm::min_gap_mm(std::size_t patch, std::span<const Vec3> x_L) const {
+double WeightedContactTerm::min_gap_mm(std::size_t patch, std::span<const Vec3> x_L) const {
   if (clearances_.gaps_mm.empty()) return -std::numeric_limits<double>::infinity();
   double moved_mm = 0.0;
   for (std::size_t k = 0; k < obstacles_.size(); ++k)
@@ -447,12 +447,12 @@ double MortarContactTerm::min_gap_mm(std::size_t patch, std::span<const Vec3> x_
   return clearances_.gaps_mm[patch] - gap_bounds_[patch] * moved_mm;
 }
 
-bool MortarContactTerm::is_clear(std::size_t patch, std::span<const Vec3> x_L) const {
+bool WeightedContactTerm::is_clear(std::size_t patch, std::span<const Vec3> x_L) const {
   if (!active_.empty() && active_[patch] > 0.0) return false;
   return min_gap_mm(patch, x_L) > 0.0;
 }
 
-double MortarContactTerm::rest_penetration_mm() const {
+double WeightedContactTerm::rest_penetration_mm() const {
   double max_mm = 0.0;
   for (const double gap_mm : rest_gaps_mm_) max_mm = std::max(max_mm, -gap_mm);
   return max_mm;

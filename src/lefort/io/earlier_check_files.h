@@ -15,8 +15,8 @@ namespace lefort::io {
 /// it lists. Empty if there is no check.json.
 ///
 /// \param folder  the output folder.
-/// \returns paths, or kFileUnwritable if check.json is of another program. Listed names that a
-///   check never writes are omitted.
+/// \returns paths, or kFileUnwritable if no check wrote check.json. Listed names that a check
+///   never writes are omitted.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> earlier_check_files(
     const std::filesystem::path& folder);
 
@@ -35,7 +35,7 @@ namespace lefort::io {
 /// \param earlier  result of earlier_check_files().
 /// \returns nothing, or kFileUnwritable with the first of `names` that exists and is not in
 ///   `earlier`.
-[[nodiscard]] Result<void> check_none_in_the_way(const std::filesystem::path& folder,
+[[nodiscard]] Result<void> check_overwrites_only_earlier(const std::filesystem::path& folder,
                                                  std::span<const std::string> names,
                                                  std::span<const std::filesystem::path> earlier);
 

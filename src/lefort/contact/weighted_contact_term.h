@@ -52,13 +52,13 @@
 namespace lefort::contact {
 
 /// Default of the penetration increase that a contact pressure of 4 E leaves [mm].
-inline constexpr double kMortarTolerance_mm = 0.01;
+inline constexpr double kWeightedTolerance_mm = 0.01;
 
 /// \param young_mpa     E of the tissue, > 0.
 /// \param tolerance_mm  depth that a pressure of 4 E leaves, > 0. Such a nominal stress compresses
 ///   incompressible neo-Hookean tissue with free sides to less than a third of its height.
 /// \returns k: p = 2 k d, so that k = 2 E / tolerance.
-[[nodiscard]] constexpr double mortar_stiffness_mpa_per_mm(double young_mpa, double tolerance_mm) {
+[[nodiscard]] constexpr double weighted_stiffness_mpa_per_mm(double young_mpa, double tolerance_mm) {
   return 2.0 * young_mpa / tolerance_mm;
 }
 
@@ -69,10 +69,10 @@ using ActiveSet = std::vector<double>;
 /// \returns whether the same patches are active.
 [[nodiscard]] bool same_active_patches(const ActiveSet& a, const ActiveSet& b);
 
-class MortarContactTerm final : public fem::ForceTerm {
+class WeightedContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
-    double stiffness_mpa_per_mm = 0.0;  ///< k > 0; see mortar_stiffness_mpa_per_mm().
+    double stiffness_mpa_per_mm = 0.0;  ///< k > 0; see weighted_stiffness_mpa_per_mm().
     /// Contact snap distance, as in ContactTerm::Options.
     double contact_snap_mm = 0.0;
     /// Whether sharp points have conditions of their own. The tissue mesh must then resolve the
@@ -84,7 +84,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// \param faces    counter-clockwise seen from outside the tissue.
   /// \param bones    at their poses in the reference configuration; at least one. Their sharp
   ///   points are those of DistanceQuery::surface_B(); without a surface there are none.
-  MortarContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
+  WeightedContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                     std::vector<RigidObstacle> bones, const Options& options);
 
   /// Moves a bone. Not while the term is being evaluated.
@@ -147,7 +147,7 @@ class MortarContactTerm final : public fem::ForceTerm {
   /// \param from_X_LB  earlier pose of each bone.
   /// \param to_L       positions of all nodes [mm].
   /// \returns the changed positions; max_motion() may still not allow them.
-  [[nodiscard]] std::vector<Vec3> carried(std::span<const Vec3> from_L,
+  [[nodiscard]] std::vector<Vec3> moved_with_bones(std::span<const Vec3> from_L,
                                           std::span<const RigidTransform> from_X_LB,
                                           std::vector<Vec3> to_L) const;
 

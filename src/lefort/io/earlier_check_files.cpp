@@ -1,4 +1,4 @@
-#include <lefort/io/owned_files.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/read_text.h>
 
 #include <fmt/format.h>
@@ -62,7 +62,7 @@ Result<void> check_inputs_are_distinct(std::span<const fs::path> inputs,
   return {};
 }
 
-Result<void> check_none_in_the_way(const fs::path& folder, std::span<const std::string> names,
+Result<void> check_overwrites_only_earlier(const fs::path& folder, std::span<const std::string> names,
                                    std::span<const fs::path> earlier) {
   std::error_code error;
   for (const std::string& name : names) {

@@ -1,5 +1,5 @@
 #include <lefort/contact/bone_points.h>
-#include <lefort/contact/mortar_contact_term.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/element_faces.h>
 
@@ -17,7 +17,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact::test_mortar_contact_term {
+namespace lefort::contact::test_weighted_contact_term {
 namespace {
 
 constexpr double kStiffness = 0.04;
@@ -62,7 +62,7 @@ struct Evaluated {
 };
 
 /// Sum over all items.
-Evaluated gather(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
+Evaluated gather(const WeightedContactTerm& term, const std::vector<Vec3>& x_L,
                  fem::Tangent tangent = fem::Tangent::kExact) {
   const auto size = Index(3 * x_L.size());
   Evaluated sum{true, 0.0, VectorX::Zero(size), Eigen::MatrixXd::Zero(size, size)};
@@ -87,7 +87,7 @@ Evaluated gather(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
 }
 
 /// \param stiffness_error  allowed, as a fraction of the largest stiffness.
-void expect_derivatives_of_energy(const MortarContactTerm& term, const std::vector<Vec3>& x_L,
+void expect_derivatives_of_energy(const WeightedContactTerm& term, const std::vector<Vec3>& x_L,
                                   double stiffness_error = 1e-4) {
   constexpr double kStep = 1e-6;
   const Evaluated at = gather(term, x_L);
@@ -150,12 +150,12 @@ Patch patch_of(mesh::FaceShape shape) {
   return patch;
 }
 
-class MortarContact : public testing::TestWithParam<mesh::FaceShape> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, MortarContact,
+class WeightedContactShapes : public testing::TestWithParam<mesh::FaceShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, WeightedContactShapes,
                          testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
                                          mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
 
-TEST_P(MortarContact, WeightFunctionsSumToOneAndHavePositiveIntegrals) {
+TEST_P(WeightedContactShapes, WeightFunctionsSumToOneAndHavePositiveIntegrals) {
   std::array<double, kMaxFaceNodes> integral{};
   for (const WeightedPoint& point : weighted_quadrature(GetParam())) {
     double sum = 0.0;
@@ -183,11 +183,11 @@ TEST(WeightedQuadrature, OnLinearFacesTheWeightFunctionsAreDualToTheShapeFunctio
   }
 }
 
-TEST_P(MortarContact, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+TEST_P(WeightedContactShapes, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   const Patch patch = patch_of(GetParam());
   RigidObstacle below = ball();
   below.X_LB.translation() = Vec3(0.3, -0.2, -6.5);
-  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   below.X_LB.translation().z() = -5.2;
   term.set_pose(0, below.X_LB);
   std::mt19937 generator(7);
@@ -205,7 +205,7 @@ void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below, dou
                                  double stiffness_error) {
   const Patch patch = patch_of(shape);
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
-  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> shift_mm(-0.6 * depth_mm, 0.6 * depth_mm);
   for (const double x_mm : {0.45, 0.9}) {
@@ -218,18 +218,18 @@ void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below, dou
   }
 }
 
-TEST_P(MortarContact, SharpPointsHaveTheDerivativesOfTheEnergy) {
+TEST_P(WeightedContactShapes, SharpPointsHaveTheDerivativesOfTheEnergy) {
   expect_derivatives_at_ridge(GetParam(), make_ridge(0.5), 0.17, 1e-4);
 }
 
 /// The stiffness lacks the second derivatives of the fade, of second order in the depth.
-TEST_P(MortarContact, SharpPointsNearTheBorderHaveTheForceOfTheEnergy) {
+TEST_P(WeightedContactShapes, SharpPointsNearTheBorderHaveTheForceOfTheEnergy) {
   expect_derivatives_at_ridge(GetParam(), ridge(), 0.02, 0.02);
 }
 
-TEST_P(MortarContact, UniformDepthOnAFlatBoneIsUniformPressure) {
+TEST_P(WeightedContactShapes, UniformDepthOnAFlatBoneIsUniformPressure) {
   const Patch patch = patch_of(GetParam());
-  MortarContactTerm term(patch.nodes_L, patch.faces, {slab()},
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {slab()},
                          {.stiffness_mpa_per_mm = kStiffness});
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation().z() = 0.5;
@@ -252,23 +252,23 @@ TEST_P(MortarContact, UniformDepthOnAFlatBoneIsUniformPressure) {
     EXPECT_NEAR(node.pressure_mpa, 2.0 * kStiffness * 0.5, 1e-6);
 }
 
-TEST(MortarContactTerm, TissueAtRestIsFreeOfForceAlsoInsideSharpBone) {
+TEST(WeightedContactTerm, TissueAtRestIsFreeOfForceAlsoInsideSharpBone) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle inside = ridge();
   inside.X_LB.translation() = Vec3(0.45, 0.0, 0.2);
-  const MortarContactTerm term(patch.nodes_L, patch.faces, {inside},
+  const WeightedContactTerm term(patch.nodes_L, patch.faces, {inside},
                                {.stiffness_mpa_per_mm = kStiffness});
   EXPECT_GT(term.rest_penetration_mm(), 0.0);
   EXPECT_NEAR(gather(term, patch.nodes_L).energy_mj, 0.0, 1e-15);
 }
 
-TEST(MortarContactTerm, NotingClearancesChangesNoResult) {
+TEST(WeightedContactTerm, NotingClearancesChangesNoResult) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle below = ball();
   below.X_LB.translation() = Vec3(0.3, -0.2, -7.0);
-  MortarContactTerm plain(patch.nodes_L, patch.faces, {below},
+  WeightedContactTerm plain(patch.nodes_L, patch.faces, {below},
                           {.stiffness_mpa_per_mm = kStiffness});
-  MortarContactTerm noted = plain;
+  WeightedContactTerm noted = plain;
   noted.note_clearances(patch.nodes_L);
   for (double z = -7.0; z < -5.0; z += 0.1) {
     RigidTransform X_LB = below.X_LB;
@@ -280,13 +280,13 @@ TEST(MortarContactTerm, NotingClearancesChangesNoResult) {
   }
 }
 
-TEST(MortarContactTerm, NotingClearancesChangesNoResultOfSharpPoints) {
+TEST(WeightedContactTerm, NotingClearancesChangesNoResultOfSharpPoints) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle below = ridge();
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
-  MortarContactTerm plain(patch.nodes_L, patch.faces, {below},
+  WeightedContactTerm plain(patch.nodes_L, patch.faces, {below},
                           {.stiffness_mpa_per_mm = kStiffness});
-  MortarContactTerm noted = plain;
+  WeightedContactTerm noted = plain;
   noted.note_clearances(patch.nodes_L);
   double energy_mj = 0.0;
   for (double z = -0.5; z < 0.6; z += 0.1) {
@@ -303,7 +303,7 @@ TEST(MortarContactTerm, NotingClearancesChangesNoResultOfSharpPoints) {
 }
 
 /// A tip that slides over the border of the faces loses its contact gradually.
-TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
+TEST(WeightedContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
   constexpr double kDepth_mm = 0.1, kStep_mm = 0.01;
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   geometry::TriangleMesh tip;
@@ -311,7 +311,7 @@ TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
   tip.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
   RigidObstacle below = obstacle(tip);
   below.X_LB.translation() = Vec3(0.3, 0.3, -0.5);
-  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   double last_mj = 0.0, first_mj = 0.0, max_jump_mj = 0.0;
   for (int n = 0; n <= 140; ++n) {
     below.X_LB.translation() = Vec3(0.3 + kStep_mm * n, 0.3 + kStep_mm * n, kDepth_mm);
@@ -329,14 +329,14 @@ TEST(MortarContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
 }
 
 /// Bone in front of the other side of a thin layer of tissue is behind the faces of this side.
-TEST(MortarContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
+TEST(WeightedContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   for (const bool is_other_side : {false, true}) {
     RigidObstacle bone = ridge();
     bone.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
     if (is_other_side)
       bone.X_LB.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
-    MortarContactTerm term(patch.nodes_L, patch.faces, {bone},
+    WeightedContactTerm term(patch.nodes_L, patch.faces, {bone},
                            {.stiffness_mpa_per_mm = kStiffness});
     bone.X_LB.translation().z() = 0.2;
     term.set_pose(0, bone.X_LB);
@@ -349,11 +349,11 @@ TEST(MortarContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
   }
 }
 
-TEST(MortarContactTerm, TheAreaOfAFaceCountsWithItsActiveNodesOnly) {
+TEST(WeightedContactTerm, TheAreaOfAFaceCountsWithItsActiveNodesOnly) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle below = slab();
   below.X_LB.translation().z() = -3.0;
-  MortarContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
   below.X_LB.translation().z() = 0.0;
   term.set_pose(0, below.X_LB);
   std::vector<Vec3> x_L = patch.nodes_L;
@@ -365,31 +365,31 @@ TEST(MortarContactTerm, TheAreaOfAFaceCountsWithItsActiveNodesOnly) {
   EXPECT_NEAR(term.summarize(x_L).front().area_mm2, area_mm2 / 3.0, 1e-9);
 }
 
-TEST(MortarContactTerm, CarriedNodesAllowAMotionThatWouldPassThroughThem) {
+TEST(WeightedContactTerm, CarriedNodesAllowAMotionThatWouldPassThroughThem) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle plate = obstacle(test::make_box({-10, -10, -0.6}, {10, 10, 0}));
   plate.X_LB.translation().z() = -0.2;
-  MortarContactTerm term(patch.nodes_L, patch.faces, {plate}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {plate}, {.stiffness_mpa_per_mm = kStiffness});
   const std::vector<RigidTransform> from{plate.X_LB};
   plate.X_LB.translation().z() = 3.0;
   term.set_pose(0, plate.X_LB);
   EXPECT_LT(term.max_motion(patch.nodes_L, from, patch.nodes_L), 1.0);
-  const std::vector<Vec3> carried = term.carried(patch.nodes_L, from, patch.nodes_L);
-  EXPECT_EQ(term.max_motion(patch.nodes_L, from, carried), 1.0);
-  for (std::size_t n = 0; n < carried.size(); ++n)
-    EXPECT_NEAR(carried[n].z() - patch.nodes_L[n].z(), 3.2, 1e-12);
+  const std::vector<Vec3> moved_with_bones = term.moved_with_bones(patch.nodes_L, from, patch.nodes_L);
+  EXPECT_EQ(term.max_motion(patch.nodes_L, from, moved_with_bones), 1.0);
+  for (std::size_t n = 0; n < moved_with_bones.size(); ++n)
+    EXPECT_NEAR(moved_with_bones[n].z() - patch.nodes_L[n].z(), 3.2, 1e-12);
 }
 
-TEST(MortarContactTerm, TwoBonesActAsOneObstacle) {
+TEST(WeightedContactTerm, TwoBonesActAsOneObstacle) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle one = slab(), other = slab();
   one.X_LB.translation() = Vec3(0, 0, 0.5);
   other.X_LB.translation() = Vec3(0, 0, 0.5);
   RigidObstacle start = slab();
   start.X_LB.translation().z() = -1.0;
-  MortarContactTerm alone(patch.nodes_L, patch.faces, {start},
+  WeightedContactTerm alone(patch.nodes_L, patch.faces, {start},
                           {.stiffness_mpa_per_mm = kStiffness});
-  MortarContactTerm both(patch.nodes_L, patch.faces, {start, start},
+  WeightedContactTerm both(patch.nodes_L, patch.faces, {start, start},
                          {.stiffness_mpa_per_mm = kStiffness});
   alone.set_pose(0, one.X_LB);
   both.set_pose(0, one.X_LB);
@@ -437,4 +437,4 @@ TEST(BonePoints, ListsThePointsOfABox) {
 }
 
 }  // namespace
-}  // namespace lefort::contact::test_mortar_contact_term
+}  // namespace lefort::contact::test_weighted_contact_term
