@@ -25,7 +25,8 @@ void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& a
 /// the free and p the prescribed components. Without the response, elements next to prescribed
 /// nodes could invert. It is omitted if the energy is lower without it, if it cannot be computed,
 /// if it inverts elements, or if max_step_length does not allow it. If the state is then
-/// inadmissible, the outcome is kInadmissibleStart, and a smaller increment is needed (load_steps.h).
+/// inadmissible, the outcome is kInadmissibleStart and a smaller increment is needed
+/// (load_steps.h).
 ///
 /// \param assembler      terms, reference positions, free components.
 /// \param prescribed     exactly the components prescribed in assembler.dofs().
