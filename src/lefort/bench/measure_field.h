@@ -34,7 +34,8 @@ inline constexpr double kQueryReach_mm = 0.5;
 
 /// Runs the task on `skull`.
 ///
-/// \returns, as far as the method has them: "seconds", "processor_seconds", "retained_bytes",
+/// \returns, as far as the method has them: "seconds" (of the build; for CGAL and Embree with the
+///   query of all samples), "processor_seconds", "retained_bytes",
 ///   "peak_bytes" (above the memory before the first build), "tolerance_mm", "triangles",
 ///   "samples" (in the band) and "samples_asked" (of these, by CGAL and Embree), "error_mm"
 ///   {mean, p99, max} and "wrong_signs" between samples, "unknown" (points of these errors without

@@ -14,7 +14,7 @@
 
 namespace lefort::solve {
 
-/// Distance query of each obstacle in its frame B, whose axes are those of L at time 0.
+/// Distance query of each obstacle in its frame B, which coincides with L at time 0.
 using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
 
 /// Contact term of an obstacle and the faces that it may touch, at rest.

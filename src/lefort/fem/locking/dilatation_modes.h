@@ -43,7 +43,7 @@ template <class Element>
 struct PointwiseBulkFactor {
   /// In parts of the body more than one layer thick (elements_with_interior_nodes.h).
   double interior = 0.0;
-  /// In a single layer: its averages do not resist bending.
+  /// In a single layer, whose averages do not resist bending.
   double single_layer = 0.0;
 };
 template <class Element>
