@@ -14,8 +14,8 @@ namespace lefort::fem {
 ///
 /// \cite fung1993, chapter 7, with the constants of \cite ateshian2009, isochoric, as the law of
 /// this name in FEBio and ArtiSynth. At small strain it is Hooke's orthotropic law with the shear
-/// moduli (mu_a + mu_b) / 2 in the planes of the axes; with equal mu and lambda it is isotropic
-/// with the shear modulus mu. Every function requires J > 0.
+/// moduli (mu_a + mu_b) / 2 in the planes of the axes; if all mu_a are equal and all lambda_ab are
+/// equal, the law is isotropic with the shear modulus mu. Every function requires J > 0.
 /// \note If e^Q overflows, energy and stress are infinite or NaN, which solvers treat as
 /// inadmissible.
 struct FungOrthotropic {

@@ -16,19 +16,20 @@ namespace lefort::fem {
 
 /// Equilibrium at one load level.
 struct LoadState {
-  double t = 0.0;  ///< Load level; its meaning is that of SolveAtLoad.
+  double t = 0.0;  ///< Load level, as passed to SolveAtLoad.
   VectorX u;       ///< [mm]
 };
 
 /// Control of the increments.
 struct LoadStepOptions {
-  double first_increment = 1.0;       ///< Of t, > 0; shortened to end at t_end.
-  double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; a failure at this size is an error.
-  double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
+  double first_increment = 1.0;  ///< Of t, > 0; shortened to end at t_end.
+  /// Of t, > 0, <= first_increment; if an increment of this size fails, advance_to() ends.
+  double min_increment = 1.0 / 1024;
+  double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first_increment.
   /// Factor from an increment with at most target_iterations to the next; >= 1.
   double growth_factor = 2.0;
-  int target_iterations = 6;   ///< Newton iterations up to which the next increment grows; >= 0.
-  int max_attempts = 1000;     ///< Number of solves in one advance_to() after which it ends; >= 1.
+  int target_iterations = 6;  ///< Newton iterations up to which the next increment grows; >= 0.
+  int max_attempts = 1000;    ///< Number of solves in one advance_to() after which it ends; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.

@@ -62,7 +62,7 @@ inline constexpr double kRoundOffMultiple = 10.0;
 /// ... and, after a step with a shift, this fraction of the decrease so far (test
 /// ShiftedStepsWithLittleProgressStagnate).
 inline constexpr double kShiftedGainFraction = 1e-3;
-/// A decrease of |r| counts if |r| falls below this multiple of its minimum.
+/// A decrease of |r| counts if |r| falls below this multiple of its previous minimum.
 inline constexpr double kResidualReduction = 0.9;
 
 // Convergence by round-off.
