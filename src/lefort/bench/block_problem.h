@@ -1,5 +1,5 @@
 /// \file
-/// A block of soft tissue, fixed below and moved above, on which solvers are compared.
+/// A block of soft tissue on which solvers are compared: lower side fixed, upper side moved.
 #pragma once
 
 #include <lefort/core/types.h>

@@ -1,5 +1,5 @@
 /// \file
-/// The same block solved by CalculiX, a widely used finite element program.
+/// Solves the block of block_problem.h with CalculiX, a widely used finite element program.
 #pragma once
 
 #include <lefort/bench/block_problem.h>
@@ -12,7 +12,7 @@
 
 namespace lefort::bench {
 
-/// Its linear solvers in Debian's package.
+/// Linear solvers of CalculiX in Debian's package.
 enum class CalculixSolver {
   kSpooles,   ///< Direct; the default of ccx.
   kIterative  ///< Conjugate gradients, preconditioned by an incomplete factor.
@@ -26,15 +26,15 @@ struct CalculixTask {
   CalculixSolver solver = CalculixSolver::kSpooles;
   int threads = 2;
   int increments = 1;
-  double tolerance = 1e-6;       ///< Of residual forces and displacement corrections.
-  std::filesystem::path folder;  ///< For its files, which are block.*; there.
+  double tolerance = 1e-6;       ///< Relative; of residual forces and displacement corrections.
+  std::filesystem::path folder;  ///< For the files of CalculiX, block.*; created if missing.
 };
 
 struct CalculixRun {
   double wall_seconds = 0.0;
   std::size_t peak_bytes = 0;
-  int iterations = 0;           ///< Equation systems solved.
-  double max_residual_n = 0.0;  ///< At the end.
+  int iterations = 0;           ///< Number of equation systems solved.
+  double max_residual_n = 0.0;  ///< Largest residual force at the end.
   VectorX displacements_mm;     ///< Three per node.
 };
 
@@ -42,8 +42,8 @@ struct CalculixRun {
 ///
 /// \param task      to solve.
 /// \param progress  may stop the process.
-/// \returns kInvalidArgument if ccx cannot be run, kFileCorrupt if its output is not understood,
-///   kFileUnwritable, kCancelled.
+/// \returns the run; or kInvalidArgument if ccx is not installed or fails, kFileNotFound or
+///   kFileCorrupt if its output is missing or not understood, kFileUnwritable, kCancelled.
 [[nodiscard]] Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress);
 
 }  // namespace lefort::bench

@@ -14,7 +14,8 @@ namespace lefort::bench {
 /// OpenVDB's narrow-band level set (tools::meshToSignedDistanceField).
 class OpenVdbField {
  public:
-  /// \param half_band_cells  samples within this distance are exact, in cells on both sides.
+  /// \param half_band_cells  width of the band on each side of the surface, in cells; samples in it
+  ///   are distances.
   OpenVdbField(const geometry::TriangleMesh& mesh, const Vec3& origin, double cell_mm,
                double half_band_cells);
   ~OpenVdbField();

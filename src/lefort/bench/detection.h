@@ -1,5 +1,6 @@
 /// \file
-/// Speed of contact detection by distance fields, by our bounding-volume hierarchy and by CGAL's.
+/// Speed of contact detection by distance fields, by lefort's bounding-volume hierarchy (BVH) and
+/// by CGAL's AABB tree.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,20 +15,20 @@ namespace lefort::bench {
 struct DetectionOptions {
   std::filesystem::path ct;      ///< Anything import_volume() reads.
   std::filesystem::path output;  ///< Folder for skull.vtp (reused if present) and detection.md.
-  Index points = 50'000;         ///< Within max_distance_mm of the posed skull.
+  Index points = 50'000;         ///< Number, within max_distance_mm of the moved skull.
   double max_distance_mm = 2.0;
-  int resolution = 256;  ///< Of the field; its band is 5 mm, as in the plans.
+  int resolution = 256;  ///< Of the field; its band is 5 mm, as in examples/midface_forward.json.
   int threads = 2;
-  int repeats = 15;  ///< The best counts: disturbances only slow a run.
+  int repeats = 15;  ///< The fastest is reported: disturbances only slow a run.
 };
 
-/// Measures depth and normal (by fields also second derivatives) at the same points near a moved
-/// skull of 96,190 triangles.
+/// Measures distance and normal at the same points near a moved skull of 96,190 triangles: with
+/// fields also the Hessian, with CGAL only the distance.
 ///
 /// \param options   of the benchmark.
-/// \param progress  may stop it.
-/// \returns the table as Markdown; errors as import_volume(), extract_skull(),
-///   build_distance_field(), kFileUnwritable.
+/// \param progress  may stop the benchmark.
+/// \returns the table as Markdown; errors of prepare_skull(), io::read_surface() and
+///   field::build_distance_field(); kFileUnwritable.
 [[nodiscard]] Result<std::string> run_detection(const DetectionOptions& options,
                                                 Progress& progress);
 

@@ -19,13 +19,13 @@ struct ProcessRun {
   int exit_code = 0;           ///< Negative: the signal that ended it.
 };
 
-/// As run_process(), with time and memory, and without an error for a nonzero exit code.
+/// As run_process() below, with time and memory; a nonzero exit code is no error.
 [[nodiscard]] Result<ProcessRun> run_measured_process(const std::vector<std::string>& arguments,
                                                       Progress& progress);
 
-/// Starts arguments[0] and waits. Its stderr is that of this process.
+/// Starts the program at the path arguments[0] and waits. Its stderr is that of this process.
 ///
-/// \returns its stdout; kInvalidArgument if it cannot be started or does not end with 0;
+/// \returns its stdout; kInvalidArgument if it cannot be started or its exit code is not 0;
 ///   kCancelled if `progress` requested a stop; the program was then terminated.
 [[nodiscard]] Result<std::string> run_process(const std::vector<std::string>& arguments,
                                               Progress& progress);

@@ -20,9 +20,9 @@ struct SkullSurfaceOptions {
 /// Flying edges at `bone_hu`, the largest connected part, windowed sinc smoothing, Lindstrom-Turk
 /// edge collapse to exactly `triangles`.
 ///
-/// Uses only VTK and CGAL, so that the surface does not depend on our methods.
-/// \returns the surface in L, closed; kMeshInvalid if there are fewer triangles, or if the
-///   simplification does not reach that number.
+/// Uses only VTK and CGAL, so that the surface does not depend on methods of lefort.
+/// \returns the surface in L, closed; kMeshInvalid if the bone has fewer than `triangles`, or if
+///   the simplification does not end at that number; kCancelled.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_skull(const image::CtVolume& ct,
                                                            const SkullSurfaceOptions& options = {},
                                                            Progress& progress = Progress::none());

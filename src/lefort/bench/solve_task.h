@@ -1,5 +1,5 @@
 /// \file
-/// One measurement of our solver on a block, in a separate process.
+/// One measurement of lefort's solver on a block, in a separate process.
 #pragma once
 
 #include <lefort/bench/block_problem.h>
@@ -18,11 +18,11 @@ struct SolveTask {
   BlockProblem block;
   linear::LinearSolverKind solver = linear::LinearSolverKind::kAutomatic;
   int threads = 2;
-  /// Of the load; halved if they fail. 0: only one linear system, that of the block at rest for the
-  /// motion of its upper side.
+  /// Planned number; an increment that fails is halved. 0: only one linear system, that of the
+  /// block at rest for a small motion of its upper side.
   int increments = 1;
-  double load = 1.0;                      ///< Fraction of the full load, 0 to 1.
-  double relative_tolerance = 1e-8;       ///< Of Newton; that of the linear system is 1e-8.
+  double load = 1.0;                      ///< Fraction of the full load, > 0 and <= 1.
+  double relative_tolerance = 1e-8;       ///< Of Newton's method; the one linear system has 1e-8.
   std::filesystem::path displacements{};  ///< Output file of doubles; or empty.
 };
 
@@ -34,11 +34,13 @@ struct SolveTask {
 /// Runs the task.
 ///
 /// \param task  as to_json() writes it.
-/// \returns dofs, seconds of its parts, iterations, peak_bytes and more; kNotConverged,
+/// \returns dofs, seconds of the parts of the task, iterations, peak_bytes and more; kNotConverged,
 ///   kOutOfMemory, kInvalidArgument, kFileUnwritable.
 [[nodiscard]] Result<nlohmann::ordered_json> run_solve_task(const std::string& task);
 
-/// Runs the task in a separate process and adds its wall_seconds.
+/// Runs the task in a separate process and adds wall_seconds of the process.
+/// \returns the result of run_solve_task(); kInvalidArgument if the process cannot be started or
+///   its exit code is not 0, kFileCorrupt if it printed no JSON, kCancelled.
 [[nodiscard]] Result<nlohmann::ordered_json> solve_in_process(const SolveTask& task,
                                                               Progress& progress);
 

@@ -30,9 +30,8 @@ class Stopwatch {
 /// Processor time of all threads of this process, including system time [s].
 [[nodiscard]] double processor_seconds();
 
-/// Current resident memory, and its maximum since reset_peak_memory() [bytes].
-///
-/// Not the peak of getrusage() (pipeline/timing/peak_memory.h), which cannot be reset.
+/// Current resident memory, and its maximum since reset_peak_memory() [bytes]. The maximum is not
+/// that of getrusage() (pipeline/timing/peak_memory.h), which cannot be reset.
 [[nodiscard]] std::size_t resident_bytes();
 [[nodiscard]] std::size_t peak_resident_bytes();
 void reset_peak_memory();

@@ -25,8 +25,8 @@ struct Table1Options {
 ///
 /// Writes skull.vtp (reused if it exists), table1.json, .csv, .md and .html (plots)
 /// to the output folder. The figures of the paper, of 2009 hardware, are listed separately.
-/// \returns the table as Markdown; errors as import_volume(), extract_skull(), kFileUnwritable,
-///   kCancelled.
+/// \returns the table as Markdown; errors of prepare_skull() and measure_in_process();
+///   kFileUnwritable.
 [[nodiscard]] Result<std::string> run_table1(const Table1Options& options, Progress& progress);
 
 }  // namespace lefort::bench

@@ -9,8 +9,8 @@
 
 namespace lefort::fem {
 
-/// A linear map between 3x3 matrices whose columns are stacked: entry (i, J) has the number i + 3
-/// J. dP = A : dF is flatten(dP) = A * flatten(dF).
+/// A linear map between 3x3 matrices whose columns are stacked: entry (i, J) has the number
+/// i + 3 J. dP = A : dF is flatten(dP) = A * flatten(dF).
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 using Vec9 = Eigen::Matrix<double, 9, 1>;
 
@@ -22,8 +22,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return A.cwiseProduct(B).sum();
 }
 
-/// J = det F, the ratio of current to reference volume. With J <= 0 an element is
-/// inverted.
+/// J = det F, the ratio of current to reference volume. With J <= 0 an element is inverted.
 [[nodiscard]] inline double volume_ratio(const Mat3& F) { return F.determinant(); }
 
 /// J - 1, from H = F - I without cancellation: accurate for small changes.

@@ -14,10 +14,10 @@
 
 namespace lefort::solve {
 
-/// Distance query of each obstacle in its frame B, which is its position before its path begins.
+/// Distance query of each obstacle in its frame B, which coincides with L at time 0.
 using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
 
-/// Contact term of an obstacle and its faces, at rest.
+/// Contact term of an obstacle and the faces that it may touch, at rest.
 ///
 /// \param prepared        the deck.
 /// \param obstacle        index in Deck::obstacles.
@@ -28,10 +28,10 @@ using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::Dista
 
 /// \param prepared          the deck.
 /// \param distance_queries  as Deck::obstacles.
-/// \returns warnings of obstacles that overlap their faces at rest, or
+/// \returns warnings of obstacles that overlap, at rest, the faces that they may touch; or
 ///   - kMeshInvalid      an obstacle is an open surface: it has no inside;
-///   - kInvalidArgument  contact_snap_mm of an obstacle, or its overlap with its faces at rest, is
-///     not less than the maximum distance of its query.
+///   - kInvalidArgument  contact_snap_mm of an obstacle, or the depth of its overlap with the faces
+///     at rest, is not less than the maximum distance of its query.
 [[nodiscard]] Result<std::vector<std::string>> check_obstacles(
     const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries);
 

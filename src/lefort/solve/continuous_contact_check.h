@@ -14,11 +14,12 @@
 namespace lefort::solve {
 
 /// Contact terms evaluate single states. If an obstacle is in front of a body in one state and
-/// behind it in the next, it touches the body in neither, and both states are in equilibrium. This
+/// behind it in the next, it touches the body in neither state, and both are in equilibrium. This
 /// check follows each node and face center on a straight line, relative to the obstacle, from one
-/// state to the next. For a point that starts outside the obstacle, the depth on the way must not
-/// exceed the depth at the end by more than twice the resolution of the distance query. This also
-/// rejects an increment in which a point slides too far around a convex part.
+/// state to the next. For a point that starts outside the obstacle, the penetration on the way must
+/// not exceed the penetration at the end by more than twice the resolution of the distance query.
+/// The check also rejects an increment in which a point slides too far around a convex part of the
+/// obstacle. Points that move less than twice the resolution are not checked.
 class ContinuousContactCheck {
  public:
   /// \param nodes_L   all nodes at rest [mm].
@@ -27,7 +28,7 @@ class ContinuousContactCheck {
   ContinuousContactCheck(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                          std::string obstacle);
 
-  /// Starts the next check at this state.
+  /// Makes a state the start of the next check; to be called before the first check.
   /// \param obstacle  at its current pose.
   /// \param x_L       current positions of all nodes [mm].
   void commit(const contact::RigidObstacle& obstacle, std::span<const Vec3> x_L);

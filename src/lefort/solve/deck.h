@@ -1,6 +1,6 @@
 /// \file
-/// Input of `lefort solve`: materials, boundary conditions, loads, obstacles and solver options. A
-/// value; sets and regions are names that prepare_deck() finds in the mesh.
+/// Input of `lefort solve`: materials, boundary conditions, loads, obstacles and solver options.
+/// Sets and regions are names that prepare_deck() finds in the mesh.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -101,14 +101,16 @@ struct Obstacle {
   std::string faces;
   geometry::RigidPath path;  ///< One keyframe without motion if stationary.
   /// Penalty stiffness k_c; default: stiffness_factor times Young's modulus of the stiffest region
-  /// behind the faces, divided by the mean edge length of the faces.
+  /// behind the faces, divided by the mean edge length of the faces. Default with weighted gaps:
+  /// contact::mortar_stiffness_mpa_per_mm().
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
   /// Contact snap distance: points of faces within this distance at rest count as being in contact.
   double contact_snap_mm = 0.0;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
-  /// contact::ContactTerm::Options::penetration_tolerance_mm.
+  /// contact::ContactTerm::Options::penetration_tolerance_mm; with weighted gaps the tolerance of
+  /// contact::mortar_stiffness_mpa_per_mm(), by default contact::kMortarTolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 

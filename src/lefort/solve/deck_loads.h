@@ -17,8 +17,8 @@ namespace lefort::solve {
 class DeckLoads {
  public:
   /// \param prepared  the deck.
-  /// \returns the loads at time 0; or what fem::traction_forces(), fem::FollowerPressure::build()
-  ///   and fem::body_forces() return.
+  /// \returns the loads at time 0; or an error of fem::traction_forces(),
+  ///   fem::FollowerPressure::build() or fem::body_forces().
   [[nodiscard]] static Result<DeckLoads> build(const PreparedDeck& prepared);
 
   /// Must not be called while a term is evaluated.

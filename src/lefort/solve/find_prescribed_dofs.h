@@ -18,14 +18,15 @@ namespace lefort::solve {
 struct PrescribedDof {
   std::int32_t node = 0;
   int component = 0;
-  int by = 0;  ///< Index in Deck::displacements, then in Deck::motions; -1: a node of no element.
+  /// Index of the condition: Deck::displacements, then Deck::motions; -1: a node of no element.
+  int by = 0;
 };
 
 /// \param mesh  with the deck's sets.
 /// \param deck  its displacements and motions are used.
-/// \returns each degree of freedom once, with the first condition that prescribes it, and those of
-///   nodes of no element; or kPlanInvalid: a set, curve or path is invalid, or two conditions
-///   prescribe different displacements.
+/// \returns each prescribed degree of freedom once, with the first condition that prescribes it,
+///   and those of nodes of no element; or kPlanInvalid: a set, curve or path is invalid, or two
+///   conditions prescribe one degree of freedom and are not two equal ones of Deck::displacements.
 [[nodiscard]] Result<std::vector<PrescribedDof>> find_prescribed_dofs(const mesh::VolumeMesh& mesh,
                                                                       const Deck& deck);
 

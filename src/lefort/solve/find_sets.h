@@ -1,7 +1,7 @@
 /// \file
 /// Finds nodes, faces and regions of a mesh by the names in a deck.
-/// An unknown name is kPlanInvalid; the message lists the known names. Nodes of no element (the
-/// center of an arc in a Gmsh file) belong to no set.
+/// An unknown name is kPlanInvalid, and the message lists the known names; an empty set is
+/// kPlanInvalid, too. Nodes of no element (the center of an arc in a Gmsh file) are not found.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,11 +18,10 @@ namespace lefort::solve {
 /// \returns for each node whether it belongs to an element. \pre nodes of elements exist.
 [[nodiscard]] std::vector<char> nodes_of_elements(const mesh::VolumeMesh& mesh);
 
-/// Adds the deck's sets to the node sets of the mesh. They may refer to sets of the mesh, but not
-/// replace them.
+/// Adds the deck's sets to the node sets of the mesh.
 ///
-/// \returns the mesh; or kPlanInvalid with the name of the set, if this name exists or the set
-///   would be empty.
+/// \returns the mesh; or kPlanInvalid with the name of the set, if the mesh has a set of this name,
+///   the set would be empty, or its region or one of its node numbers does not exist.
 [[nodiscard]] Result<mesh::VolumeMesh> add_sets(mesh::VolumeMesh mesh,
                                                 std::span<const SetChoice> sets);
 

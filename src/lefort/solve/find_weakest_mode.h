@@ -11,21 +11,22 @@
 
 namespace lefort::solve {
 
-/// The displacement with the smallest stiffness.
+/// Eigenvector of the tangent with the smallest eigenvalue.
 struct WeakestMode {
   bool resists = true;            ///< False if the tangent is not positive definite.
-  std::int32_t node = 0;          ///< With the largest displacement.
-  Vec3 direction = Vec3::Zero();  ///< Of that node; unit length.
+  std::int32_t node = 0;          ///< Node with the largest displacement in the mode.
+  Vec3 direction = Vec3::Zero();  ///< Direction of the displacement of `node`; unit length.
 };
 
-/// Finds the mode by inverse iteration with the tangent, which is shifted until it is positive
-/// definite.
+/// Finds the mode by inverse iteration with the tangent, to whose diagonal a growing shift is added
+/// until it is positive definite.
 ///
 /// \param assembler  of the body.
-/// \param u          displacements of all components, admissible.
+/// \param u          displacements of all components [mm].
 /// \param progress   may stop the search before each factorization.
-/// \returns the mode; nothing if the tangent is not finite or does not fit into memory, or if
-///   `progress` requested a stop.
+/// \returns the mode; nothing if no component is free, u is inadmissible, the factorization fails
+///   (the tangent is not finite, or its factor does not fit into memory), or `progress` requested a
+///   stop.
 /// \note Cost: a few direct factorizations. Deterministic: the start vector is fixed.
 [[nodiscard]] std::optional<WeakestMode> find_weakest_mode(const fem::Assembler& assembler,
                                                            const VectorX& u,

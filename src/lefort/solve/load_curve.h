@@ -1,5 +1,5 @@
 /// \file
-/// Factor of a load or displacement over the time of a deck, 0 to 1.
+/// Factor of a load or displacement as a function of the time of a deck; the time is 0 to 1.
 #pragma once
 
 #include <lefort/core/error.h>

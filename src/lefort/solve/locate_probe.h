@@ -21,8 +21,8 @@ struct ProbePlace {
 
 /// \param mesh  the body at rest.
 /// \param at    a node of an element, or a point of the body at rest, in L.
-/// \returns its nodes and weights; or kPlanInvalid: there is no such node, or the point lies in no
-///   element; the message names the closest node.
+/// \returns the nodes and weights; or kPlanInvalid: no element has this node, or the point lies in
+///   no element, in which case the message names the closest node.
 /// \note A point on a face belongs to the element in which it lies deepest; in a tie, to the first.
 [[nodiscard]] Result<ProbePlace> locate_probe(const mesh::VolumeMesh& mesh,
                                               const std::variant<std::int32_t, Vec3>& at);

@@ -43,7 +43,7 @@ struct MeshIndex {
 /// Mean of the nodes of a face as "(x, y, z) mm".
 [[nodiscard]] std::string place_of(const mesh::VolumeMesh& mesh, const mesh::Face& face);
 
-/// Checks that elements that touch are connected.
+/// Checks that elements that touch along a face are connected.
 ///
 /// \param mesh   to check.
 /// \param index  of the mesh.

@@ -28,13 +28,13 @@ struct PreparedDeck {
   fem::RegionMaterials materials;
   std::map<std::int32_t, double> density_t_per_mm3;  ///< Of every region.
   std::vector<PrescribedDof> prescribed;
-  std::vector<std::vector<mesh::Face>> traction_faces;  ///< As Deck::tractions.
-  std::vector<std::vector<mesh::Face>> pressure_faces;  ///< As Deck::pressures.
-  std::vector<std::vector<std::int32_t>> body_force_regions;
-  std::vector<std::vector<mesh::Face>> obstacle_faces;
-  std::vector<double> obstacle_stiffness_mpa_per_mm;
-  std::vector<ProbePlace> probes;  ///< As Deck::probes.
-  std::vector<double> levels;      ///< Times at which an increment ends, ascending, the last 1.
+  std::vector<std::vector<mesh::Face>> traction_faces;        ///< As Deck::tractions.
+  std::vector<std::vector<mesh::Face>> pressure_faces;        ///< As Deck::pressures.
+  std::vector<std::vector<std::int32_t>> body_force_regions;  ///< As Deck::body_forces.
+  std::vector<std::vector<mesh::Face>> obstacle_faces;        ///< As Deck::obstacles.
+  std::vector<double> obstacle_stiffness_mpa_per_mm;          ///< As Deck::obstacles.
+  std::vector<ProbePlace> probes;                             ///< As Deck::probes.
+  std::vector<double> levels;  ///< Times at which an increment ends, ascending, the last 1.
   std::vector<std::string> warnings;
 };
 
@@ -43,9 +43,13 @@ struct PreparedDeck {
 /// \param mesh  of the body.
 /// \param deck  the problem.
 /// \returns the deck, or
-///   - kPlanInvalid      a name, curve or path is invalid, conditions contradict each other, or a
-///                       part of the body can move as a rigid body; the message names key, set or
-///                       element;
+///   - kPlanInvalid      a name, curve or path is invalid; conditions contradict each other; a
+///     region has no material, or no density for a body force; a face of a pressure or an obstacle
+///     lies between two elements; a probe lies outside the body; or a part of the body that no
+///     obstacle may touch can move as a rigid body. The message names key, set or element;
+///   - kMeshInvalid      a node number or list length is wrong, there is no element, or an error of
+///     check_joints();
+///   - kInvalidArgument  Deck::steps or Deck::newton is invalid;
 ///   - kMeshInvalid, kElementInverted, kInvalidArgument  from fem::make_element_terms().
 [[nodiscard]] Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck);
 

@@ -28,7 +28,7 @@ using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 /// Contact by weighted gaps with all obstacles that have the same list of faces, stiffness and
 /// contact snap distance.
 struct WeightedContact {
-  std::vector<std::size_t> obstacles;
+  std::vector<std::size_t> obstacles;  ///< Indices in Deck::obstacles, ascending.
   contact::WeightedContactTerm term;
 };
 
@@ -41,8 +41,8 @@ class Problem {
  public:
   /// \param prepared          must outlive the problem.
   /// \param distance_queries  one for each of Deck::obstacles, in the same order.
-  /// \returns the problem at time 0, or what check_obstacles(), fem::make_element_terms(),
-  ///   DeckLoads::build() and fem::DofMap::build() return.
+  /// \returns the problem at time 0, or an error of check_obstacles(), fem::make_element_terms(),
+  ///   DeckLoads::build() or fem::DofMap::build().
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
       const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
     LEFORT_TRY_VOID(check_obstacles(prepared, distance_queries));
@@ -77,8 +77,8 @@ class Problem {
       }
   }
 
-  /// Largest fraction of a step of the displacements by which no face passes through an obstacle
-  /// with weighted gaps; 1 without one. reject_passages() checks the other obstacles.
+  /// Largest fraction, at most 1, of the step `du` by which no face passes through an obstacle with
+  /// weighted gaps. reject_passages() checks the other obstacles.
   [[nodiscard]] double max_step_length(const VectorX& u, const VectorX& du) const {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
     const std::vector<Vec3> dx_L =
@@ -88,8 +88,8 @@ class Problem {
       length = std::min(length, contact.term.max_step_length(x_L, dx_L));
     return length;
   }
-  /// Active sets in the last equilibrium, at the poses of its time. Afterwards the poses are those
-  /// of `time`.
+  /// Active sets in the equilibrium `last`, at the poses of its time. Afterwards loads and poses
+  /// are those of `time`.
   [[nodiscard]] std::vector<contact::ActiveSet> active_sets(const fem::LoadState& last,
                                                             double time) {
     set_time(last.t);

@@ -24,15 +24,15 @@ struct Increment {
   double time = 0.0;
   VectorX u;                                ///< Displacements of all nodes [mm].
   std::vector<fem::ElementState> elements;  ///< In the order of the blocks.
-  /// Strain and contact energy minus the work of loads that have a potential. The work of pressure
-  /// on faces with a free boundary depends on the path and is not included.
+  /// Strain and contact energy minus the work of loads that have a potential [mJ]. The work of a
+  /// pressure on faces with a free border depends on the path and is not included.
   double energy_mj = 0.0;
   double residual_n = 0.0;
-  double relative_residual = 0.0;  ///< To the residual reference (fem/assembly/assemble.h).
-  double min_J = 1.0;
+  double relative_residual = 0.0;  ///< Over the residual reference (fem/assembly/assemble.h).
+  double min_J = 1.0;              ///< Of all quadrature points of elements.
   double max_displacement_mm = 0.0;
-  /// Reaction of each condition on the body [N]: Deck::displacements, then Deck::motions. A
-  /// component prescribed by two counts for the first.
+  /// Force of each condition on the body [N]: Deck::displacements, then Deck::motions. A degree of
+  /// freedom that two conditions prescribe counts for the first.
   std::vector<Vec3> reactions_n;
   /// Force of each load on the body [N]: Deck::tractions, pressures, body_forces.
   std::vector<Vec3> loads_n;
@@ -47,7 +47,7 @@ struct Increment {
 
 /// Result of a run.
 struct DeckRun {
-  std::optional<Increment> last;  ///< The last that converged, if any.
+  std::optional<Increment> last;  ///< Last converged increment, if any.
   std::optional<Error> failure;   ///< Why time 1 was not reached; kCancelled if it was stopped.
   /// Kind that `automatic` chose for the last increment; none if no system was solved.
   std::optional<linear::LinearSolverKind> linear_solver;
@@ -60,7 +60,8 @@ struct DeckRun {
 struct DeckWatch {
   std::function<Result<void>(const Increment&)> on_increment;  ///< An error ends the run.
   std::function<void(fem::SolvePhase)> on_phase;
-  /// Called at a failure, before its diagnosis, which may take long; an error ends the run.
+  /// Called at a failure, before the diagnosis of the failure, which may take long; its error is
+  /// returned by run_deck().
   std::function<Result<void>(const DeckRun&)> on_failure;
 };
 
@@ -69,12 +70,12 @@ struct DeckWatch {
 /// \param prepared          from prepare_deck().
 /// \param distance_queries  as Deck::obstacles.
 /// \param watch             callbacks.
-/// \param progress          reports the time; may stop the run.
-/// \returns how it ended, or
-///   - what check_obstacles() returns;
-///   - what fem::make_element_terms(), fem::traction_forces(), fem::body_forces() and
-///     fem::FollowerPressure::build() return;
-///   - what `watch.on_increment` or `watch.on_failure` returned.
+/// \param progress          receives the time, 0 to 1; may stop the run.
+/// \returns how the run ended, or
+///   - an error of check_obstacles();
+///   - an error of fem::make_element_terms(), fem::traction_forces(), fem::body_forces() or
+///     fem::FollowerPressure::build();
+///   - the error that `watch.on_increment` or `watch.on_failure` returned.
 /// A run that does not reach time 1 is no error: DeckRun::failure has the reason.
 [[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared,
                                        const ObstacleDistanceQueries& distance_queries,

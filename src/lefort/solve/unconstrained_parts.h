@@ -1,5 +1,5 @@
 /// \file
-/// Finds parts of the body that can move as a rigid body, which makes the equations singular.
+/// Finds parts of the body that can move as a rigid body and make the equations singular.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -20,7 +20,7 @@ struct UnconstrainedPart {
   Index elements = 0;
   std::vector<std::int32_t> nodes;  ///< Ascending.
   int free_motions = 0;             ///< Number of free rigid-body modes, 1 to 6.
-  std::string motion;               ///< One of them as text: "move along (0, 0, 1)".
+  std::string motion;               ///< One of these modes as text: "move along (0, 0, 1)".
 };
 
 /// Finds the parts, connected by common nodes, whose prescribed components do not prevent every
@@ -28,8 +28,8 @@ struct UnconstrainedPart {
 ///
 /// \param mesh        nodes of elements exist.
 /// \param prescribed  displacements of nodes.
-/// \note Parts connected by one node or one edge count as connected; only the solver finds them
-///   (find_weakest_mode.h).
+/// \note Parts that share only a node or an edge count as connected, although they can rotate about
+///   it. find_weakest_mode() finds such motions.
 [[nodiscard]] std::vector<UnconstrainedPart> find_unconstrained_parts(
     const mesh::VolumeMesh& mesh, std::span<const fem::PrescribedDisplacement> prescribed);
 

@@ -6,7 +6,8 @@
 
 namespace lefort::solve {
 
-/// Young's modulus of the isotropic law closest to the tangent at rest [MPa].
+/// Young's modulus [MPa] of Hooke's law whose Lame constants are means of the components of the
+/// tangent in the reference configuration.
 [[nodiscard]] double young_modulus_at_rest_mpa(const fem::Material& material);
 
 }  // namespace lefort::solve

@@ -40,7 +40,7 @@ struct CaseModel {
 };
 
 struct SolveOptions {
-  int increments = 1;                 ///< Initial number; a failed increment is halved.
+  int increments = 1;                 ///< Planned number; a failed increment is halved.
   double relative_tolerance = 1e-10;  ///< Of Newton's method.
   /// Of Newton's method; for a single element, in which no forces cancel.
   double absolute_tolerance_n = 0.0;
@@ -57,12 +57,12 @@ struct Equilibrium {
 /// \param model     to solve.
 /// \param options   increments and tolerances.
 /// \param progress  may stop the solve.
-/// \returns the equilibrium at full load, or the errors of fem::make_element_terms(),
-///   fem::DofMap::build() and fem::LoadStepper::advance_to().
+/// \returns the equilibrium at full load, or an error of fem::make_element_terms(),
+///   fem::DofMap::build() or fem::LoadStepper::advance_to().
 [[nodiscard]] Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options,
                                         Progress& progress);
 
-/// Returns a function of the load fraction: displacements proportional to it.
+/// \returns a function of the load fraction: the displacements at full load times the fraction.
 [[nodiscard]] std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(
     std::vector<fem::PrescribedDisplacement> at_full_load);
 

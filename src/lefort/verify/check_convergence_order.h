@@ -1,7 +1,8 @@
 /// \file
-/// Compares a quantity, computed on meshes whose element size halves, with its reference: the order
-/// of its error with that of theory, and its value on the finest mesh with the exact value. The
-/// tolerance of the second comparison is the error that the order predicts.
+/// Compares a quantity with its reference. The quantity is computed on meshes whose element size
+/// halves from one to the next. The order of its error is compared with that of theory, and its
+/// value on the finest mesh with the exact value. The tolerance of the second comparison is the
+/// error that the order predicts.
 #pragma once
 
 #include <lefort/verify/check.h>
@@ -20,25 +21,26 @@ struct Known {
   std::string order_reason = "";
   double allowance = 0.0;  ///< Uncertainty of `value`, >= 0.
   std::string allowance_reason = "";
-  std::string known_failure = "";  ///< Why both checks are known to fail; or empty.
+  std::string known_failure = "";  ///< Why the checks are known to fail (not the spread); or empty.
 };
 
 /// Adds two checks: "NAME: order" and "NAME: difference over the predicted one". If the values
-/// alternate they have no order; the first check is then "NAME: spread" (at most 1 %).
+/// alternate they have no order; the first check is then "NAME: spread of the last three meshes"
+/// (at most 1 % of Known::value).
 ///
 /// \param name     of the quantity.
-/// \param values   three or more, coarse to fine; the last three count.
+/// \param values   three or more, coarse to fine; the last three are used.
 /// \param known    its reference.
 /// \param section  to which the checks are added.
 void check_convergence_order(const std::string& name, std::span<const double> values,
                              const Known& known, Section& section);
 
-/// Adds only the second check. Its predicted error has an order that was measured in a norm
-/// (predicted_error()).
+/// Adds only the check of the difference. The order in its predicted error (predicted_error()) was
+/// measured in a norm.
 ///
 /// \param name        of the quantity.
 /// \param values      from three meshes, coarse to fine.
-/// \param norm_order  the measured order.
+/// \param norm_order  the measured order; at most `known.order` of it is used.
 /// \param known       its reference.
 /// \param section     to which the check is added.
 void check_difference(const std::string& name, const std::array<double, 3>& values,
@@ -46,8 +48,9 @@ void check_difference(const std::string& name, const std::array<double, 3>& valu
 
 /// Adds checks of errors with respect to an exact solution: "NAME: order of the error", from the
 /// last two errors; with three or more also "NAME: error over the predicted one". The predicted
-/// error on the finest mesh is 1.25 (Roache) times e / 2^p, where e is the error on the mesh before
-/// and p the order between the two meshes before the finest, at most that of theory.
+/// error on the finest mesh is kRefinementSafety times e / 2^p, where e is the error on the mesh
+/// before the finest and p the order between the two meshes before the finest, at most that of
+/// theory.
 ///
 /// \param name     of the quantity.
 /// \param errors   two or more, > 0, coarse to fine.

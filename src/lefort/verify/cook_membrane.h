@@ -2,7 +2,7 @@
 /// Cook's membrane: a tapered plate, clamped at one end and sheared at the other. Elements that
 /// lock are far too stiff.
 ///
-///                   .-48,60        Plane strain: one layer of elements, fixed across it. 6.25 MPa
+///                   .-48,60        Plane strain: one layer of elements, u_z = 0. 6.25 MPa
 ///              .-'     |  ^        upwards on the end x = 48 (100 N per mm of thickness).
 ///     0,44 -'          |  | t
 ///        |            .-48,44
@@ -39,8 +39,8 @@ struct CookMembrane {
   mesh::VolumeMesh mesh;
   std::vector<fem::PrescribedDisplacement> prescribed;
   std::vector<fem::NodalForce> forces;  ///< At full load.
-  /// The node at the corner (48, 60) with z > 0. If cells are divided, the two nodes of this corner
-  /// rise differently; this one rises less.
+  /// The node at the corner (48, 60) with z > 0. If cells are divided into wedges or tetrahedra,
+  /// the two nodes of this corner rise differently; `tip` rises less.
   std::int32_t tip = 0;
 };
 
@@ -54,8 +54,8 @@ enum class Diagonal { kShorter, kLonger };
 [[nodiscard]] CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells,
                                               Diagonal diagonal = Diagonal::kShorter);
 
-/// \returns the displacement of the corner (48, 60) at full load [mm], or the errors of
-///   fem::LoadStepper::advance_to().
+/// \returns the displacement of CookMembrane::tip at full load [mm], or an error of
+///   fem::make_element_terms(), fem::DofMap::build() or fem::LoadStepper::advance_to().
 [[nodiscard]] Result<Vec3> solve_cook_membrane(
     const CookMembrane& membrane, const fem::Material& material,
     fem::VolumetricIntegration volumetric_integration = fem::VolumetricIntegration::kMeanDilatation,

@@ -17,7 +17,7 @@ struct ExactField {
   std::function<Mat3(const Vec3& X)> gradient;      ///< du/dX.
 };
 
-/// |u_h - u| / |u|, both integrated over the reference volume.
+/// |u_h - u| / |u|; the square of each norm is integrated over the reference volume.
 struct ErrorNorms {
   double l2 = 0.0;  ///< Of displacements.
   double h1 = 0.0;  ///< Of their gradients.
@@ -32,7 +32,7 @@ struct ErrorNorms {
 /// f_a = integral of N_a b dV, one force per node of the mesh.
 ///
 /// \param mesh        at rest.
-/// \param body_force  per reference volume [N/mm^3], at X.
+/// \param body_force  b per reference volume [N/mm^3], at X.
 [[nodiscard]] std::vector<fem::NodalForce> nodal_forces(
     const mesh::VolumeMesh& mesh, const std::function<Vec3(const Vec3& X)>& body_force);
 

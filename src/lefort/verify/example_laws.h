@@ -14,10 +14,10 @@ struct NamedLaw {
   fem::Material law;
 };
 
-/// \param kappa_mpa  bulk modulus of decoupled laws, whose shear moduli are about 1 MPa.
+/// Material axes lie along x, y, z and fibers along x. Fung's law has equal constants in y and z,
+/// so that a body stretched along x contracts equally in both.
 ///
-/// Material axes and fibers lie along x, y, z; Fung's law has equal constants in y and z, so that a
-/// body stretched along x contracts equally in both.
+/// \param kappa_mpa  bulk modulus of decoupled laws, whose shear moduli are about 1 MPa.
 [[nodiscard]] std::vector<NamedLaw> example_laws(double kappa_mpa);
 
 }  // namespace lefort::verify

@@ -39,8 +39,8 @@ namespace lefort::verify {
 [[nodiscard]] mesh::VolumeMesh octant_shell(mesh::ElementShape shape, int cells, double a_mm,
                                             double b_mm);
 
-/// sqrt(x^2 + y^2) <= radius, 0 <= z <= length: a square core, `cells` from the axis to its sides
-/// and as many from there to the surface, in each of four quarters.
+/// sqrt(x^2 + y^2) <= radius, 0 <= z <= length: a core with four sides, `cells` from the axis to
+/// its sides and as many from there to the surface, in each of four quarters; `layers` along z.
 [[nodiscard]] mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers,
                                             double radius_mm, double length_mm);
 

@@ -1,14 +1,16 @@
 /// \file
-/// Estimates the error on the finest of three meshes whose element size halves. The tolerance of a
-/// comparison with a known value is then derived from the values themselves.
+/// Estimates the error on the finest of three meshes whose element size halves from one to the
+/// next. The tolerance of a comparison with a known value is then derived from the values
+/// themselves.
 ///
 /// With v(h) = limit + C h^p the values v0, v1, v2 on meshes of sizes h, h/2, h/4 give
 /// p = log2((v1 - v0) / (v2 - v1)). The error of v2 is |v2 - v1| / (2^p - 1). Roache's grid
-/// convergence index is 1.25 times that if p was measured (\cite roache1994). If the values
-/// alternate there is no order, and their spread is used as the error.
+/// convergence index (\cite roache1994) is this error times a factor of safety, 1.25 if p was
+/// measured (\cite celik2008). If the values alternate there is no order; the larger of the two
+/// differences is then used as the error.
 ///
-/// A number that sums errors of both signs has no reliable order, because they may cancel. The
-/// order must then be measured in a norm.
+/// A number that sums errors of both signs has no reliable order, because the errors may cancel.
+/// The order must then be measured in a norm.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +19,7 @@
 
 namespace lefort::verify {
 
-/// Roache's factor of safety for an order measured on three meshes.
+/// Factor of safety of the grid convergence index for an order measured on three meshes.
 inline constexpr double kRefinementSafety = 1.25;
 
 struct Refinement {
@@ -26,8 +28,8 @@ struct Refinement {
                        ///< differences do not decrease.
 };
 
-/// \param values          from meshes that halve, coarse to fine.
-/// \param expected_order  > 0. A measured order above it is not used for the error.
+/// \param values          on meshes whose element size halves, coarse to fine.
+/// \param expected_order  > 0; the error is computed with at most this order.
 [[nodiscard]] inline Refinement refinement_of(const std::array<double, 3>& values,
                                               double expected_order) {
   const double before = values[1] - values[0];
@@ -40,9 +42,10 @@ struct Refinement {
 }
 
 /// Error of the last value, >= 0, with the factor of safety, for a given order. It is computed from
-/// the last difference, or from the one that the difference before predicts if that is larger.
+/// the last difference, or, if that is larger, from the last difference that the one before
+/// predicts.
 ///
-/// \param values  from meshes that halve, coarse to fine.
+/// \param values  on meshes whose element size halves, coarse to fine.
 /// \param order   measured elsewhere.
 /// \returns the error; NaN unless order > 0.
 [[nodiscard]] inline double predicted_error(const std::array<double, 3>& values, double order) {

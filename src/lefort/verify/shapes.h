@@ -25,8 +25,8 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
 
 /// Order of the displacement in the L2 norm with mean dilatation. It is p + 1, with the degree p of
 /// the displacement, if the pressure has at least degree p - 1. tet10 and wedge15 have p = 2 and a
-/// constant pressure (fem/locking/volumetric_integration.h), which reduces the order by one (\cite
-/// boffi2013).
+/// constant pressure (fem/locking/volumetric_integration.h), which reduces the order by one
+/// (\cite boffi2013).
 [[nodiscard]] constexpr double averaged_order(mesh::ElementShape shape) {
   return shape == mesh::ElementShape::kHex20 ? 3.0 : 2.0;
 }

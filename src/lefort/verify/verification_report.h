@@ -22,7 +22,7 @@ struct ReportFile {
 [[nodiscard]] std::vector<ReportFile> verification_report(std::span<const Section> sections,
                                                           const std::string& command);
 
-/// Measured value and acceptance criterion: "0.0123, required ≤ 0.02 mm".
+/// Measured value and acceptance criterion: "0.0123 mm, required ≤ 0.02 mm"; or the note, if any.
 [[nodiscard]] std::string text_of(const Check& check);
 
 }  // namespace lefort::verify

@@ -38,7 +38,8 @@ struct BlockSource {
   std::int32_t stride;
 };
 
-/// Lists of sources, one per target: target[k] has source[first[k]] up to source[first[k + 1]].
+/// Lists of sources, one per target: those of target[k] are source[first[k]] to
+/// source[first[k + 1] - 1].
 template <class Source>
 struct Gather {
   std::vector<std::int32_t> target;

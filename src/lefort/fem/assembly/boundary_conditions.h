@@ -25,7 +25,7 @@ struct PrescribedDisplacement {
 /// \param nodes      numbers of the nodes.
 /// \param nodes_L    reference positions of all nodes of the mesh [mm].
 /// \param motion_LL  maps a reference position to the current position, both in L.
-/// \returns the displacements of all components of `nodes` with the rigid body.
+/// \returns the displacements of all components of `nodes` by the rigid motion.
 [[nodiscard]] std::vector<PrescribedDisplacement> prescribe_rigid_motion(
     std::span<const std::int32_t> nodes, std::span<const Vec3> nodes_L,
     const RigidTransform& motion_LL);

@@ -9,8 +9,8 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements and points of c Psi(F) dV. c < 1 for decoupled laws if a
-/// SmoothedStrainTerm has the other part of the energy of the elements; otherwise c = 1.
+/// W = sum over elements and points of c Psi(F) dV. For decoupled laws c < 1 if a
+/// SmoothedStrainTerm has the rest of the energy of the elements; otherwise c = 1.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:

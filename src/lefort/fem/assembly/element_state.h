@@ -11,10 +11,11 @@
 
 namespace lefort::fem {
 
-/// Averages over the quadrature points of one element, except for the min J. Where the change of
-/// volume is averaged, pressure and energy are those of the average.
+/// Means over the quadrature points of one element, except for the min J. Where the change of
+/// volume is averaged, pressure and volumetric energy are computed from the average.
 struct ElementState {
-  double min_volume_ratio = 1.0;    ///< J = det F; an element with J <= 0 is inverted.
+  /// Min J = det F; in an inverted element, J of its first point with J <= 0.
+  double min_volume_ratio = 1.0;
   Mat3 cauchy_mpa = Mat3::Zero();   ///< Cauchy stress, tension positive; NaN if J <= 0.
   Vec3 stretches = Vec3::Ones();    ///< Principal stretches, descending; NaN if J <= 0.
   double energy_density_mpa = 0.0;  ///< Per reference volume; NaN if J <= 0.
@@ -24,8 +25,8 @@ struct ElementState {
 /// \param materials               accepted by make_element_terms().
 /// \param u                       displacements of all nodes, 3 per node [mm].
 /// \param volumetric_integration  as in make_element_terms().
-/// \returns one state per element, through the blocks. Elements that share an average with an
-///   inverted element have no stress either.
+/// \returns one state per element, in the order of the blocks. Stress and energy of an element that
+///   shares an average with an inverted element are NaN, too.
 [[nodiscard]] std::vector<ElementState> element_states(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials, const VectorX& u,
     VolumetricIntegration volumetric_integration = VolumetricIntegration::kMeanDilatation);

@@ -16,8 +16,8 @@ namespace lefort::fem {
 /// have fifteen to fifty nodes.
 inline constexpr int kMaxLocalNodes = 64;
 
-/// Energy, residual and stiffness of one local item. The solver owns the memory, which is zero on
-/// entry.
+/// Energy, residual and stiffness of one local item. The Assembler owns the memory and sets it to
+/// zero before evaluate().
 struct LocalEquations {
   double energy_mj = 0.0;          ///< W [mJ].
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
@@ -64,10 +64,10 @@ class ForceTerm {
   [[nodiscard]] virtual std::string inadmissible_cause() const { return "an element is inverted"; }
 
   /// \param dofs  which components are free.
-  /// \returns whether the residual, summed over all items, is the gradient of the energy by the
-  ///   free components. If not (a follower pressure on a surface with a free border), the residual
-  ///   is still the force, the energy is ignored, and the stiffness is the symmetric or
-  ///   antisymmetric part of the derivative of the residual.
+  /// \returns whether the residual, summed over all items, is the gradient of the energy with
+  ///   respect to the free components. If not (a follower pressure on a surface with a free
+  ///   border), the residual is still the force, the energy is ignored, and the stiffness is the
+  ///   symmetric or, for kAntisymmetric, the antisymmetric part of the derivative of the residual.
   [[nodiscard]] virtual bool is_conservative(const DofMap& /*dofs*/) const { return true; }
 };
 

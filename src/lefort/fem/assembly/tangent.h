@@ -11,7 +11,7 @@ enum class Tangent {
   /// The exact tangent without parts that are indefinite far from equilibrium: of contact, of
   /// supports that follow a surface, of averaged pressures and of follower pressures. (Teran et al.
   /// 2005 project element matrices; here they stay exact, so that this tangent may be indefinite.)
-  /// Unlike a diagonal shift this affects only the nodes concerned.
+  /// Unlike a diagonal shift, the omission affects only the nodes of these terms.
   kStabilized,
   /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
   /// the symmetric part.

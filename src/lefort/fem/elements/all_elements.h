@@ -22,7 +22,7 @@ using AnyElement = std::variant<Tet4, Pyramid5, Wedge6, Hex8, Tet10, Wedge15, He
 
 namespace internal {
 
-/// The alternative with this kShape.
+/// \returns the alternative of the set whose kShape is `shape`.
 template <class... Shapes, class Kind>
 std::variant<Shapes...> find_shape(Kind shape, const std::variant<Shapes...>& /*set*/) {
   std::optional<std::variant<Shapes...>> found;

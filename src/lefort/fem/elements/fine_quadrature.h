@@ -1,10 +1,11 @@
 /// \file
-/// Quadrature of higher order than that of the strain energy: for error norms, masses and loads
-/// that vary inside an element.
+/// Quadrature of higher order than that of the strain energy: for error norms, and for loads that
+/// vary inside an element.
 ///
-/// Conical products of Gauss-Jacobi rules with four points each (\cite stroud1971), exact to degree
-/// 7 on every shape: 64 points in an element, 16 on a face. The squared error of a quadratic
-/// displacement has degree 6.
+/// Products of Gauss and Gauss-Jacobi rules with four points each; conical products
+/// (\cite stroud1971) for triangles, tetrahedra and pyramids. They are exact to degree 7 on every
+/// shape and have 64 points in an element, 16 on a face. To leading order the squared error of a
+/// quadratic displacement has degree 6.
 #pragma once
 
 #include <lefort/fem/elements/quadrature_point.h>

@@ -2,7 +2,8 @@
 /// Products of the matrices of one quadrature point, as loops over the nodes.
 ///
 /// Eigen's products of fixed size would be compiled again for each of seven shapes and each use
-/// (docs/studies/build-time.md). Columns belong to nodes: 3 x nodes, column-major, as ElementNodes.
+/// (docs/studies/build-time.md). Each matrix has one column per node: 3 x nodes, column-major, as
+/// ElementNodes.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -12,7 +13,7 @@ namespace lefort::fem {
 
 namespace internal {
 
-/// Sum of a[3 k] b[3 k]: pairwise in halves.
+/// Sum of a[3 k] b[3 k] by pairwise summation: the sum of the first half plus that of the second.
 template <int kCount>
 double pairwise_dot(const double* a, const double* b) {
   if constexpr (kCount == 1) {
@@ -35,7 +36,7 @@ double ordered_dot(const double* a, const double* b) {
 
 /// \param a, b  3 x kNodes.
 /// \returns a b^T, the sum over nodes of a_k (x) b_k. The order of summation is that of Eigen 3.4
-///   for vectors of two doubles: results stay what they were before these loops.
+///   with SIMD vectors of two doubles, so that the rounding is that of Eigen's product.
 template <int kNodes>
 [[nodiscard]] Mat3 sum_of_dyads(const double* a, const double* b) {
   constexpr int kMaxPairwise = 10;
@@ -58,16 +59,18 @@ void multiply_columns_transposed(const Mat3& M, const double* columns, int nodes
 
 /// K_ab += dN_a . A . dN_b dV, contracted over the second index of P and of F (\cite bonet2008,
 /// section 9.4).
-/// \param A      dP/dF.
-/// \param dV     volume of the point [mm^3].
-/// \param shape_gradients  gradients, 3 x `nodes` [1/mm].
-/// \param K      receives the stiffness, 3 `nodes` x 3 `nodes`.
+/// \param A                dP/dF [MPa], symmetric.
+/// \param dV               volume of the point [mm^3].
+/// \param shape_gradients  dN/dX, 3 x `nodes` [1/mm].
+/// \param nodes            number of nodes.
+/// \param K                stiffness [N/mm] to which the product is added: column-major, square,
+///   3 * `nodes` rows.
 void add_point_stiffness(const Mat9& A, double dV, const double* shape_gradients, int nodes,
                          double* K);
 
 /// K += a b^T.
-/// \param a, b  `size` x `rank`, column-major, rank <= 4.
-/// \param K     `size` x `size`.
+/// \param a, b  `size` x `rank`, column-major; `size` <= 60 (20 nodes), `rank` >= 1.
+/// \param K     `size` x `size`, column-major.
 void add_low_rank_product(const double* a, const double* b, int size, int rank, double* K);
 
 }  // namespace lefort::fem

@@ -19,7 +19,8 @@
 namespace lefort::fem {
 
 /// With s = 1 + xi_a xi, t = 1 + eta_a eta, u = 1 + zeta_a zeta (\cite hughes2000, section 3.7):
-/// corners s t u (s + t + u - 5) / 8; mid-edge node along xi (1 - xi^2) t u / 4.
+/// corners s t u (s + t + u - 5) / 8; mid-edge nodes of edges along xi (1 - xi^2) t u / 4, along
+/// eta and zeta likewise.
 struct Hex20 {
   static constexpr mesh::ElementShape kShape = mesh::ElementShape::kHex20;
   static constexpr int kNodes = 20;

@@ -9,7 +9,7 @@
 ///     gradients(xi)   their gradients at xi
 ///     quadrature()    its kPoints points for the strain energy, or for loads on a face
 ///
-/// all_elements.h and all_faces.h list them. fine_quadrature.h has more points, for error norms.
+/// all_elements.h and all_faces.h list the shapes. The rules of fine_quadrature.h have more points.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -23,7 +23,7 @@ namespace lefort::fem {
 template <int kDim>
 struct RulePoint {
   Eigen::Matrix<double, kDim, 1> xi;
-  double weight = 0.0;  ///< The weights sum to the length, area or volume.
+  double weight = 0.0;  ///< The weights sum to the size of the reference element.
 };
 
 template <int kDim, std::size_t kCount>

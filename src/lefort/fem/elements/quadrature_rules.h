@@ -29,7 +29,7 @@ namespace lefort::fem {
   return {{{{kFar, kFar}, kWeight}, {{kNear, kFar}, kWeight}, {{kFar, kNear}, kWeight}}};
 }
 
-/// Six points of that triangle, exact to degree 4 (\cite dunavant1985, there as decimals).
+/// Six points of the same triangle, exact to degree 4 (\cite dunavant1985, there as decimals).
 [[nodiscard]] inline Rule<2, 6> triangle_6() {
   const double root = std::sqrt(38.0 - 44.0 * std::sqrt(0.4));
   const double weight_root = std::sqrt(213125.0 - 53320.0 * std::sqrt(10.0));

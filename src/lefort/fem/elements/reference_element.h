@@ -12,7 +12,7 @@
 
 namespace lefort::fem {
 
-/// A quadrature point of one element, with gradients by the reference position X.
+/// A quadrature point of one element, with gradients with respect to the reference position X.
 template <class Element>
 struct ReferencePoint {
   Eigen::Matrix<double, 3, Element::kNodes> dN_dX;  ///< Column a: gradient of N_a [1/mm].
@@ -38,10 +38,12 @@ struct ElementFault {
   int node = -1;  ///< Local node; -1 for a quadrature point.
 };
 
+/// Computes the gradients and volumes of an element and checks its Jacobian.
+///
 /// The Jacobian must be positive beyond round-off at the quadrature points and at the nodes, where
-/// a bad element folds first. (It may still be negative elsewhere in a curved element; to exclude
-/// that, bounds of the whole polynomial would be needed.) At the apex of a pyramid it is not
-/// unique; its values along the edges are those at the corners of the base.
+/// a bad element folds first. (Elsewhere in a curved element it may still be negative; only bounds
+/// of the whole polynomial could exclude this.) At the apex of a pyramid the Jacobian is not
+/// unique. Along each edge from the apex it is constant, so the check of the base covers it.
 ///
 /// Instances: the shapes of all_elements.h, and Wedge6OnFaces.
 ///

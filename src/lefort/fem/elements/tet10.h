@@ -28,7 +28,7 @@ struct Tet10 {
     return xi;
   }
 
-  /// \returns the shape functions where those of tet4 have the values L.
+  /// \returns the shape functions at the point with the barycentric coordinates L.
   [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions_at(const Eigen::Vector4d& L) {
     Eigen::Matrix<double, kNodes, 1> N;
     for (int a = 0; a < 4; ++a) N[a] = L[a] * (2.0 * L[a] - 1.0);
@@ -39,7 +39,7 @@ struct Tet10 {
     return N;
   }
 
-  /// \returns their gradients there.
+  /// \returns the gradients of the shape functions at that point, in reference coordinates.
   [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients_at(const Eigen::Vector4d& L) {
     Eigen::Matrix<double, 3, 4> dL;
     dL << -1, 1, 0, 0,  //
@@ -62,8 +62,8 @@ struct Tet10 {
     return gradients_at({1.0 - xi.sum(), xi[0], xi[1], xi[2]});
   }
 
-  /// Four points, exact for quadratic polynomials (\cite hammer1956): for the stiffness of
-  /// elements with straight edges.
+  /// Four points, exact to degree 2 (\cite hammer1956): exact for the stiffness of elements with
+  /// straight edges.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     const double far = (5.0 - std::sqrt(5.0)) / 20.0;
     const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0;

@@ -6,9 +6,9 @@
 ///       / |  `.           node 0 (0,0,-1)   node 3 (0,0,1)
 ///      3--|----5          node 1 (0,1,-1)   node 4 (0,1,1)
 ///      |  1.   |          node 2 (1,0,-1)   node 5 (1,0,1)
-///      | /  `. |        As VTK_WEDGE is documented: seen from below, from outside, nodes 0, 1, 2
-///      |/     `|        turn counter-clockwise. (VTK's own parametric coordinates, and many
-///      0-------2        programs, exchange 1 and 2, and 4 and 5.)
+///      | /  `. |        As VTK_WEDGE is documented: seen from outside (below), nodes 0, 1, 2 turn
+///      |/     `|        counter-clockwise. (VTK's own parametric coordinates, and many programs,
+///      0-------2        exchange 1 and 2, and 4 and 5.)
 #pragma once
 
 #include <lefort/fem/elements/quadrature_point.h>

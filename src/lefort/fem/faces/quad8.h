@@ -12,7 +12,7 @@
 namespace lefort::fem {
 
 /// With s = 1 + xi_a xi, t = 1 + eta_a eta (\cite hughes2000, section 3.7): corners
-/// s t (s + t - 3) / 4, mid-edge node along xi (1 - xi^2) t / 2.
+/// s t (s + t - 3) / 4; mid-edge nodes of edges along xi (1 - xi^2) t / 2, along eta likewise.
 struct Quad8 {
   static constexpr mesh::FaceShape kShape = mesh::FaceShape::kQuad8;
   static constexpr int kNodes = 8;

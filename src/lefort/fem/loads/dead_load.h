@@ -26,8 +26,8 @@ struct NodalForce {
 /// \param nodes_L       reference positions of all nodes [mm].
 /// \param faces         of the boundary of the mesh.
 /// \param traction_mpa  t [MPa], in L, on the body.
-/// \returns one force per node of `faces`, ascending; or kMeshInvalid if a face names a node that
-///   does not exist or has no finite position; or kInvalidArgument if t is not finite.
+/// \returns one force per node of `faces`, ascending; or kMeshInvalid if a face names a node twice,
+///   or one that does not exist or has no finite position; or kInvalidArgument if t is not finite.
 [[nodiscard]] Result<std::vector<NodalForce>> traction_forces(std::span<const Vec3> nodes_L,
                                                               std::span<const mesh::Face> faces,
                                                               const Vec3& traction_mpa);
@@ -40,9 +40,9 @@ using RegionBodyForces = std::map<std::int32_t, Vec3>;
 ///
 /// \param mesh         accepted by make_element_terms().
 /// \param body_forces  b of each region; zero for regions that are not listed.
-/// \returns one force per node of those regions, ascending; or kElementInverted if one of their
-///   elements has no positive reference volume; or kInvalidArgument if a force is not finite or a
-///   region does not occur in `mesh`.
+/// \returns one force per node of the listed regions, ascending; or kElementInverted if one of
+///   their elements has no positive reference Jacobian at a quadrature point or a node; or
+///   kInvalidArgument if a force is not finite or a region does not occur in `mesh`.
 [[nodiscard]] Result<std::vector<NodalForce>> body_forces(const mesh::VolumeMesh& mesh,
                                                           const RegionBodyForces& body_forces);
 

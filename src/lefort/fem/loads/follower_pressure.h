@@ -20,16 +20,18 @@ namespace lefort::fem {
 ///
 /// The energy is p times the volume that the surface sweeps along the straight path from the
 /// reference configuration:
-///   W = p (integral over the face and over t from 0 to 1 of u . n(X + t u))
-/// Its variation gives the force above, and terms on each edge that cancel between adjacent faces.
-/// So the sum over a closed surface, or one whose border is prescribed, is conservative and has a
-/// symmetric tangent, although that of a single face is not symmetric (\cite schweizerhof1984).
-/// With a free border the force is still right, but is_conservative() is false.
+///   W = p (integral over t from 0 to 1, and over the face at X + t u, of u . n da)
+/// The variation of W gives the force above, and terms on each edge that cancel between adjacent
+/// faces. So the sum over a closed surface, or one whose border is prescribed, is conservative and
+/// has a symmetric tangent, although that of a single face is not symmetric
+/// (\cite schweizerhof1984). With a free border the force is still right, but is_conservative() is
+/// false.
 ///
-/// evaluate() returns the symmetric part of the tangent of a face. If the sum over all faces is
-/// symmetric, the sum of these parts is the exact tangent. This holds for a closed surface, and if
-/// the border is prescribed or slides in a plane. With a free border the antisymmetric parts do not
-/// cancel (newton.h).
+/// The stiffness of evaluate() is the symmetric part of the tangent of a face for Tangent::kExact,
+/// the antisymmetric part for kAntisymmetric, and zero for kStabilized. If the tangent of the whole
+/// surface is symmetric, the sum of the symmetric parts is the exact tangent: on a closed surface,
+/// and if the border is prescribed or slides in a plane. With a free border the antisymmetric parts
+/// do not cancel (newton.h).
 class FollowerPressure final : public ForceTerm {
  public:
   /// \param nodes_L  reference positions of all nodes [mm].
@@ -46,7 +48,8 @@ class FollowerPressure final : public ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override;
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               LocalEquations& local) const override;
-  /// \returns whether every edge of the surface has two of its faces, or is prescribed.
+  /// \returns whether every edge of the surface belongs to two of its faces, or all components of
+  ///   its nodes are prescribed.
   [[nodiscard]] bool is_conservative(const DofMap& dofs) const override;
 
  private:
@@ -54,7 +57,7 @@ class FollowerPressure final : public ForceTerm {
 
   std::vector<mesh::Face> faces_;
   std::vector<std::array<Vec3, 8>> reference_L_;  ///< Nodes of each face.
-  std::vector<std::int32_t> border_nodes_;        ///< Of edges with one face.
+  std::vector<std::int32_t> border_nodes_;        ///< Of edges that do not have two faces.
   double pressure_mpa_ = 0.0;
 };
 

@@ -27,14 +27,14 @@ namespace lefort::fem {
 /// of the law without the part that the elements keep (kNodalStabilizationFactor).
 ///
 /// A patch is a node with the elements around it that belong to one region, have a decoupled law,
-/// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae, to
-/// the patches of its innermost nodes: interior nodes if it has any; else nodes on a face of the
-/// body; else on an edge; else in a corner. An item is a patch. It couples all nodes of its
-/// elements; if these are more than kMaxLocalNodes, the elements are divided between several
-/// patches.
+/// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae
+/// whose sum is 1, to the patches of its innermost nodes: interior nodes if it has any; else nodes
+/// on a face of the body; else on an edge; else in a corner. An item is a patch. It couples all
+/// nodes of its elements; if these are more than kMaxLocalNodes, the elements are divided between
+/// several patches.
 ///
-/// Averages at boundary nodes, too, would be one volume constraint more than there are layers of
-/// elements, and would excite an alternating (checkerboard) change of volume. Weights that vary
+/// With averages also at boundary nodes there would be one volume constraint more than layers of
+/// elements, which would excite an alternating (checkerboard) change of volume. Weights that vary
 /// within an element would constrain more than its volume. Both lock.
 class AveragedNodalPressure final : public ForceTerm {
  public:
@@ -60,8 +60,9 @@ class AveragedNodalPressure final : public ForceTerm {
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
   /// \param number  of the element, through the blocks.
-  /// \returns for each node of the element the patch around it to which the element belongs, or -1;
-  ///   empty if the element does not average around nodes. Its weights in the patches are equal.
+  /// \returns for each node of the element the patch around this node to which the element belongs,
+  ///   or -1 if the node is not one of its innermost; empty if the element does not average around
+  ///   nodes.
   [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
 
  private:
@@ -76,8 +77,8 @@ class AveragedNodalPressure final : public ForceTerm {
   /// One element of a patch.
   struct PatchElement {
     std::int32_t element = 0;
-    std::int32_t first_local =
-        0;  ///< In local_nodes_: for each of its nodes, the local number in the patch.
+    /// In local_nodes_: for each node of the element, its local number in the patch.
+    std::int32_t first_local = 0;
     double fraction = 0.0;  ///< s_ae.
   };
 

@@ -31,7 +31,7 @@ inline constexpr int kDilatationModes<Pyramid5> = 0;
 template <class Element>
 using DilatationModes = Eigen::Matrix<double, Element::kPoints, kDilatationModes<Element>>;
 
-/// Instances of both functions below: the shapes with modes.
+/// Instances of this function and of volume_response(): the shapes with modes.
 /// \param X       reference positions of the nodes [mm].
 /// \param points  reference_element(X).
 template <class Element>
@@ -43,7 +43,7 @@ template <class Element>
 struct PointwiseBulkFactor {
   /// In parts of the body more than one layer thick (elements_with_interior_nodes.h).
   double interior = 0.0;
-  /// In a single layer: its averages do not resist bending.
+  /// In a single layer, whose averages do not resist bending.
   double single_layer = 0.0;
 };
 template <class Element>
@@ -56,9 +56,9 @@ inline constexpr PointwiseBulkFactor kPointwiseBulkFactor<Wedge15>{0.5, 1.25};
 template <class Element>
 inline constexpr bool kHasPointwiseBulk = kPointwiseBulkFactor<Element>.single_layer > 0.0;
 
-/// Bulk modulus of the part of U that stays in elements which average around nodes, as a multiple
-/// of the shear modulus. Nodal averages do not resist a change of volume that alternates between
-/// the elements around a node.
+/// Bulk modulus of the part of U that stays in the elements of shapes that average around nodes, as
+/// a multiple of the shear modulus. Nodal averages do not resist a change of volume that alternates
+/// between the elements around a node.
 inline constexpr double kNodalStabilizationFactor = 1.0;
 
 /// U divided into a part of J_mean and a part of J.
@@ -70,7 +70,7 @@ struct VolumetricSplit {
 /// \param volume          U.
 /// \param shear_mpa       shear modulus of the law in the reference configuration.
 /// \param pointwise_bulk  bulk modulus at the points, as a multiple of `shear_mpa`, >= 0.
-/// \returns the two parts; their bulk moduli add to that of U.
+/// \returns the two parts; the sum of their bulk moduli is that of U.
 [[nodiscard]] inline VolumetricSplit split_volumetric(const Volumetric& volume, double shear_mpa,
                                                       double pointwise_bulk) {
   VolumetricSplit split{volume, volume};
@@ -90,8 +90,8 @@ template <class Element>
                           has_interior_node ? kBulk.interior : kBulk.single_layer);
 }
 
-/// \returns the law without the volumetric part of the nodal averages: what is evaluated at the F
-///   of elements and smoothing domains. A law that is not decoupled is returned unchanged.
+/// \returns the law without the volumetric part of the nodal averages; it is evaluated at the F of
+///   elements and smoothing domains. A law that is not decoupled is returned unchanged.
 [[nodiscard]] inline Material element_law_without_nodal_part(const Material& material) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return material;
@@ -107,7 +107,7 @@ struct VolumeResponse {
   using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
   double energy_mj = 0.0;  ///< Sum of U_mean(J_mean) dV and U_points(J) dV.
   PerPoint pressure;       ///< At the points [MPa], tension positive.
-  /// Second derivative of the energy of J_mean by theta_i = sum of psi_i J dV.
+  /// Second derivative of the energy of J_mean with respect to theta_i = sum of psi_i J dV.
   Eigen::Matrix<double, kDilatationModes<Element>, kDilatationModes<Element>> curvature;
   PerPoint curvature_at_points;  ///< d2U/dJ2 of the part at the points [MPa].
 };

@@ -8,9 +8,8 @@
 
 namespace lefort::fem {
 
-/// An element counts if it, or an element with which it shares a corner, has an interior corner:
-/// one on no boundary face. A single layer has no interior corners, nor has a plane model of one
-/// element in thickness.
+/// An element is flagged if it, or an element with which it shares a corner, has an interior
+/// corner, which is a corner on no boundary face. A single layer has no interior corners.
 ///
 /// \param mesh  \pre the nodes of its blocks exist.
 /// \returns one flag per element, through the blocks; empty if no shape in the mesh needs the flags

@@ -19,8 +19,8 @@ namespace lefort::fem {
 ///   dW      = sum of (dPsi_iso/dF + p cof F) : dF dV
 ///   p       = sum over i of psi_i p_i,       p_i = sum over points of psi_i U'(J_mean) dV
 ///
-/// A part of U stays at the points if the shape needs it (VolumetricSplit). Elements with other
-/// laws are as in ContinuumTerm.
+/// A part of U stays at the points if the shape needs this (VolumetricSplit). Elements whose law is
+/// not decoupled are evaluated as in ContinuumTerm.
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:

@@ -40,10 +40,10 @@ class SmoothedStrainTerm final : public ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               LocalEquations& local) const override;
 
-  /// Stress and energy of one group; NaN if its J <= 0.
+  /// Stress and energy of one group, of the law Psi above; NaN if its J <= 0.
   struct State {
-    Mat3 cauchy_mpa = Mat3::Zero();   ///< Of the law as above.
-    double energy_density_mpa = 0.0;  ///< Of the law as above, per reference volume.
+    Mat3 cauchy_mpa = Mat3::Zero();   ///< Tension positive.
+    double energy_density_mpa = 0.0;  ///< Per reference volume.
   };
 
   /// \param item  number of the group.

@@ -1,6 +1,6 @@
 /// \file
-/// Smoothing domains of one element: its parts whose F is averaged with that of neighbors
-/// (volumetric_integration.h).
+/// Smoothing domains of one element: parts of the element whose F is averaged with that of
+/// neighbors (volumetric_integration.h).
 #pragma once
 
 #include <lefort/fem/elements/all_elements.h>
@@ -19,7 +19,7 @@ inline constexpr int kSmoothingDomains<Tet4> = 6;  ///< One at each edge.
 template <>
 inline constexpr int kSmoothingDomains<Wedge6> = 6;  ///< Two on each quadrilateral face.
 
-/// Gradients and volume of each domain; the volumes add to that of the element.
+/// Gradients and volume of each domain; the sum of the volumes is that of the element.
 template <class Element>
 using SmoothingDomains =
     std::array<ReferencePoint<Element>, std::size_t(kSmoothingDomains<Element>)>;
@@ -27,8 +27,8 @@ using SmoothingDomains =
 namespace internal {
 
 /// A wedge with quadrature points on its quadrilateral faces: mid-edge points of the triangle
-/// (exact to degree 2) times two Gauss points. The strain along a face is the same in both its
-/// elements.
+/// (exact to degree 2) times two Gauss points. The strain along a face is the same in both elements
+/// of the face.
 struct Wedge6OnFaces : Wedge6 {
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     constexpr double kWeight = 1.0 / 6.0;
@@ -40,7 +40,8 @@ struct Wedge6OnFaces : Wedge6 {
 }  // namespace internal
 
 /// \param X  reference positions of the nodes [mm].
-/// \returns the domains, or nothing if the element has no volume at one of them.
+/// \returns the domains, or nothing if the reference Jacobian is not positive in one of them or at
+///   a node.
 template <class Element>
 [[nodiscard]] std::optional<SmoothingDomains<Element>> smoothing_domains(
     const ElementNodes<Element>& X);

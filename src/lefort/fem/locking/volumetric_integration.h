@@ -1,15 +1,16 @@
 /// \file
 /// Integration of the volumetric energy so that elements do not lock.
 ///
-/// A decoupled law (materials/decoupled_law.h) of nearly incompressible tissue is about a thousand
-/// times stiffer in volume than in shear. With full integration there are more volume constraints
-/// than the degrees of freedom can satisfy: the elements lock. Therefore J is averaged first:
+/// The bulk modulus of a decoupled law (materials/decoupled_law.h) of nearly incompressible tissue
+/// is usually hundreds of times its shear modulus. With full integration there are more volume
+/// constraints than the degrees of freedom can satisfy: the elements lock. Therefore J is averaged
+/// first:
 ///
 ///     W = sum over points of Psi_iso(F) dV + sum over averages of U(J_mean) V
 ///
-/// Forces and tangent are the derivatives of this energy. It is the three-field principle of Simo,
-/// Taylor and Pister after elimination of pressure and dilatation (\cite simo1985; \cite bonet2008,
-/// section 8.6.5).
+/// Forces and tangent are the derivatives of this energy. The energy follows from the three-field
+/// principle of Simo, Taylor and Pister by elimination of pressure and dilatation (\cite simo1985;
+/// \cite bonet2008, section 8.6.5).
 ///
 ///     shape             average of J                       averages per interior node
 ///
@@ -20,9 +21,9 @@
 ///     tet4, wedge6,     over the elements around a node;   1
 ///       pyramid5        a part of U stays in the elements
 ///
-/// There are three degrees of freedom per node.
+/// A node has three degrees of freedom; too many averages per node lock.
 ///
-/// **tet4, wedge6, pyramid5.** There are five or six tetrahedra per node, so that a constant per
+/// **tet4, wedge6, pyramid5.** A mesh has five or six tetrahedra per node, so that a constant per
 /// element would lock. J is averaged around nodes (\cite bonet1998), here around the innermost
 /// nodes of each element (averaged_nodal_pressure.h). The part of U with the bulk modulus
 /// kNodalStabilizationFactor times the shear modulus stays in the elements for stability
@@ -31,13 +32,15 @@
 /// **tet10, wedge15.** One average per element does not resist a change of volume that is linear in
 /// the element: a single layer would bend far too easily. The part of U with the bulk modulus
 /// kPointwiseBulkFactor times the shear modulus therefore stays at the points. (Selective reduced
-/// integration, \cite malkus1978, averages lambda only, which leaves 2/3 of the shear modulus.) The
-/// factor is smaller in parts more than one layer thick, where it must not make a compressed block
-/// stiffer (tests/fem/test_compressed_block.cpp), and larger in a single layer, which then bends
-/// like a beam within 10 %, and within 20 % for wedge15 near nu = 0.5 (docs/theory/locking.md).
-/// Wedge15 with a linear average locks. Hex20 with a constant average is less accurate.
+/// integration, \cite malkus1978, averages only the term of lambda, which leaves a bulk modulus of
+/// 2/3 of the shear modulus at the points.) In parts more than one layer thick the factor is
+/// smaller, because it must not make a compressed block stiffer
+/// (tests/fem/test_compressed_block.cpp). In a single layer it is larger: the stiffness in bending
+/// is then that of a beam within 10 %, for wedge15 near nu = 0.5 within 20 %
+/// (docs/theory/locking.md). Wedge15 with a linear average locks. Hex20 with a constant average is
+/// less accurate.
 ///
-/// **tet4 and wedge6 in bending.** They are too stiff even if volume may change. Their strain
+/// **tet4 and wedge6 in bending.** They are too stiff even for compressible laws. Their strain
 /// energy is evaluated at averages of F over smoothing domains (smoothed_strain_term.h), except for
 /// the fraction kElementStabilizationFraction (\cite onishi2014; \cite liu2009, there in 2-D and
 /// without that fraction).

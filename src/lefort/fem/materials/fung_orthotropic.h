@@ -14,15 +14,17 @@ namespace lefort::fem {
 ///
 /// \cite fung1993, chapter 7, with the constants of \cite ateshian2009, isochoric, as the law of
 /// this name in FEBio and ArtiSynth. At small strain it is Hooke's orthotropic law with the shear
-/// moduli (mu_a + mu_b) / 2 in the planes of the axes; with equal mu and lambda it is isotropic
-/// with the shear modulus mu. Every function requires J > 0.
+/// moduli (mu_a + mu_b) / 2 in the planes of the axes; if all mu_a are equal and all lambda_ab are
+/// equal, the law is isotropic with the shear modulus mu. Every function requires J > 0.
 /// \note If e^Q overflows, energy and stress are infinite or NaN, which solvers treat as
 /// inadmissible.
 struct FungOrthotropic {
-  Vec3 mu_mpa = Vec3::Zero();      ///< Each > 0.
-  Mat3 lambda_mpa = Mat3::Zero();  ///< Symmetric; with 2 mu on the diagonal positive definite.
-  double c_mpa = 0.0;              ///< > 0; the smaller, the earlier tissue stiffens.
-  Mat3 axes = Mat3::Identity();    ///< Columns: reference material axes, orthonormal.
+  Vec3 mu_mpa = Vec3::Zero();  ///< Each > 0.
+  /// Symmetric; positive definite after 2 mu_a is added to each entry (a, a).
+  Mat3 lambda_mpa = Mat3::Zero();
+  double c_mpa = 0.0;  ///< > 0; with a smaller c, tissue stiffens at smaller strain.
+  /// Columns: material axes in the reference configuration, in L, orthonormal.
+  Mat3 axes = Mat3::Identity();
 
   /// \returns kInvalidArgument if a constant lies outside its range.
   [[nodiscard]] Result<void> validate() const;

@@ -13,13 +13,14 @@ namespace lefort::fem {
 /// Psi(F) = mu/2 (I1 - 3) + sum over families of k1/(2 k2) (exp(k2 <e>^2) - 1),
 ///   e = d (I1 - 3) + (1 - 3 d) (a . C a - 1),   <e> = max(e, 0).
 ///
-/// C = J^(-2/3) F^T F, as in \cite gasser2006; d is the dispersion, kappa there: 0 for parallel
-/// fibers, 1/3 for an isotropic distribution. Fibers have no stiffness in compression: a family
-/// with e <= 0 is slack. At e = 0 the stress is continuous but the tangent is not; at F = I it is
-/// that of the matrix. At small strain the shear modulus is mu; a single taut family with d = 0
-/// adds the stiffness 4 k1 along the fibers. Every function requires J > 0.
+/// C = J^(-2/3) F^T F and I1 = tr C, as in \cite gasser2006; a is the direction of a family and d
+/// the dispersion, called kappa there: 0 for parallel fibers, 1/3 for an isotropic distribution.
+/// Fibers have no stiffness in compression: a family with e <= 0 is slack. At e = 0 the stress is
+/// continuous but the tangent is not; at F = I the tangent is that of the matrix. At small strain
+/// the shear modulus is mu; a single taut family with d = 0 adds the stiffness 4 k1 along the
+/// fibers. Every function requires J > 0.
 /// \note a . C a is not the squared stretch of a fiber if the volume changes. The law is meant for
-/// a bulk modulus much larger than mu and k1; \cite nolan2014 describe the effect otherwise.
+/// a bulk modulus much larger than mu and k1; \cite nolan2014 describe the error otherwise.
 /// \note If the exponential overflows, energy and stress are infinite or NaN, which solvers treat
 /// as inadmissible.
 struct HolzapfelGasserOgden {

@@ -1,5 +1,6 @@
 /// \file
-/// Isochoric part of F and its strain; stress and tangent by F of laws that are given in it.
+/// Isochoric part of F and its strain; stress and tangent, with respect to F, of laws that are
+/// functions of the isochoric part.
 ///
 /// \cite bonet2008, "Distortional component of the deformation gradient" and section 6.5;
 /// \cite holzapfel2000, section 6.4.
@@ -32,7 +33,7 @@ struct IsochoricPart {
 [[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi,
                                      const Mat9& ddpsi);
 
-/// Isochoric strain in quantities that vanish without change of shape:
+/// Isochoric strain in quantities that are zero if the shape does not change:
 ///   J^(-2/3) C = (1 + I1_minus_3 / 3) (I + D),   tr D = 0.
 /// They are computed without cancellation, so that they are accurate at any strain.
 struct IsochoricStrain {

@@ -3,8 +3,10 @@
 ///
 /// A law is a value with three pure functions of F = dx/dX: energy(F) [MPa = mJ/mm^3], its gradient
 /// stress(F) (first Piola-Kirchhoff) [MPa], and the second derivative tangent(F) [MPa]; validate()
-/// checks the constants. To add a law: one file in materials/, its name in the variant below, and
-/// in tests/fem/ its textbook energy (textbook_energy.h) and an example (material_examples.h).
+/// checks the constants. To add a law: one file in materials/, its name in the variant below, in
+/// tests/fem/ its textbook energy (textbook_energy.h) and an example (material_examples.h), in
+/// verify/ its stress in principal stretches (reference_laws.cpp) and an example
+/// (example_laws.cpp), and its keys in decks (io/internal/read_law.cpp).
 #pragma once
 
 #include <lefort/fem/materials/decoupled_law.h>

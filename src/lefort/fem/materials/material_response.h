@@ -30,7 +30,7 @@ enum class LawPart {
 [[nodiscard]] Mat9 tangent(const Material& material, LawPart part, const Mat3& F);
 
 /// \returns the shear modulus in the reference configuration [MPa]; for an anisotropic law the mean
-///   over the planes of the axes.
+///   over the three coordinate planes.
 [[nodiscard]] double shear_modulus_at_rest(const Material& material);
 
 }  // namespace lefort::fem

@@ -11,8 +11,8 @@ namespace lefort::fem {
 /// Psi(F) = mu E : E + lambda/2 (tr E)^2,   E = (F^T F - I) / 2.
 ///
 /// \cite holzapfel2000, section 6.5. Hooke's law with Lame's constants mu and lambda at small
-/// strain and any rotation. Not for large compression: below 1/sqrt(3) of its length a body
-/// softens, and a finite force compresses it to J = 0.
+/// strain and any rotation. Not for large compression: compressed below 1/sqrt(3) of its length at
+/// constant cross-section, a body softens, and a finite force compresses it to J = 0.
 struct StVenantKirchhoff {
   double mu_mpa = 0.0;      ///< Shear modulus, > 0.
   double lambda_mpa = 0.0;  ///< Lame's first constant, > -2/3 mu.

@@ -10,7 +10,7 @@ namespace lefort::fem {
 
 /// Psi(F) = c10 x + c20 x^2 + c30 x^3,   x = J^(-2/3) I1 - 3.
 ///
-/// \cite yeoh1993. At small strain the shear modulus is 2 c10; c20 and c30 add stiffening.
+/// \cite yeoh1993. At small strain the shear modulus is 2 c10; positive c20 and c30 add stiffening.
 /// With c30 = 0 it is the reduced polynomial of second order. Every function requires J > 0.
 struct Yeoh {
   double c10_mpa = 0.0;  ///< > 0.

@@ -21,10 +21,12 @@ void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& a
 /// Finds an equilibrium near `start`.
 ///
 /// If the prescribed displacements differ from those in `start`, the free components are first
-/// displaced by the linear response K_ff du_f = -r_f - K_fp du_p of the start, unless the energy is
-/// lower without it. Without this displacement, elements next to prescribed nodes could invert. If
-/// elements are inverted with it, the outcome is kInadmissibleStart, and a smaller increment is
-/// needed (load_steps.h).
+/// displaced by the linear response du_f of the start: K_ff du_f = -r_f - K_fp du_p, where f are
+/// the free and p the prescribed components. Without the response, elements next to prescribed
+/// nodes could invert. It is omitted if the energy is lower without it, if it cannot be computed,
+/// if it inverts elements, or if max_step_length does not allow it. If the state is then
+/// inadmissible, the outcome is kInadmissibleStart and a smaller increment is needed
+/// (load_steps.h).
 ///
 /// \param assembler      terms, reference positions, free components.
 /// \param prescribed     exactly the components prescribed in assembler.dofs().

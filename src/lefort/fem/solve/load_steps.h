@@ -16,18 +16,20 @@ namespace lefort::fem {
 
 /// Equilibrium at one load level.
 struct LoadState {
-  double t = 0.0;  ///< Load level; its meaning is that of SolveAtLoad.
+  double t = 0.0;  ///< Load level, as passed to SolveAtLoad.
   VectorX u;       ///< [mm]
 };
 
 /// Control of the increments.
 struct LoadStepOptions {
-  double first_increment = 1.0;       ///< Of t, > 0; shortened to end at the next level.
-  double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; a failure at this size is an error.
-  double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
-  double growth_factor = 2.0;  ///< Factor of the next increment after an easy one; >= 1.
-  int target_iterations = 6;   ///< An increment is easy up to this number of Newton iterations.
-  int max_attempts = 1000;     ///< Max number of solves in one advance_to(); >= 1.
+  double first_increment = 1.0;  ///< Of t, > 0; shortened to end at t_end.
+  /// Of t, > 0, <= first_increment; if an increment of this size fails, advance_to() ends.
+  double min_increment = 1.0 / 1024;
+  double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first_increment.
+  /// Factor from an increment with at most target_iterations to the next; >= 1.
+  double growth_factor = 2.0;
+  int target_iterations = 6;  ///< Newton iterations up to which the next increment grows; >= 0.
+  int max_attempts = 1000;    ///< Number of solves in one advance_to() after which it ends; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -46,7 +48,7 @@ struct LoadAttempt {
 /// Finds the equilibrium at load level t from an initial guess of u.
 using SolveAtLoad = std::function<NewtonOutcome(double t, const VectorX& start)>;
 
-/// Called with each converged state; an error ends advance_to() there.
+/// Called with each converged state; an error ends advance_to().
 using OnLoadState = std::function<Result<void>(const LoadState&)>;
 
 /// Follows a load path and records all attempts.
@@ -74,21 +76,23 @@ class LoadStepper {
 
   /// Advances to load level `t_end` > state().t.
   ///
-  /// An increment that fails is halved. After an easy one the next is larger by growth_factor. The
-  /// first increment of each call is at least first_increment. The initial guess is extrapolated
-  /// from the last two converged states. If it is inadmissible, stagnates within target_iterations
-  /// or leads to a rejected state, the increment is tried again with the last state as guess.
+  /// An increment that fails is halved. After one with at most target_iterations the next is
+  /// growth_factor times as large, up to max_increment. The first increment of each call is at
+  /// least first_increment, unless t_end is closer. The initial guess is extrapolated from the last
+  /// two converged states. If this guess is inadmissible, or the solve from it stagnates within
+  /// target_iterations or ends in a rejected state, the increment is tried again with the last
+  /// state as guess.
   ///
   /// \param t_end     load level.
   /// \param progress  checked before each increment for a request to stop.
   /// \param on_state  called with each converged state; may be empty.
   /// \returns nothing if state() is now at t_end; or
-  ///   - kNotConverged     the min increment failed, or max_attempts were not enough; the message
-  ///     has the load levels and the reason;
+  ///   - kNotConverged     an increment of min_increment failed, or max_attempts were not enough;
+  ///     the message has the load levels and the reason;
   ///   - kOutOfMemory      the factor of the tangent does not fit into memory;
   ///   - kInvalidArgument  t_end is not finite, or not greater than state().t;
   ///   - kCancelled        a stop was requested;
-  ///   - what `on_state` returned, which may be empty.
+  ///   - the error that `on_state` returned.
   /// After an error state() is the last converged state; attempts() has all attempts.
   [[nodiscard]] Result<void> advance_to(double t_end, Progress& progress = Progress::none(),
                                         const OnLoadState& on_state = {});

@@ -1,6 +1,6 @@
 /// \file
-/// Newton's method with line search for equations r(x) = 0 that are the gradient of an energy,
-/// except for forces without a potential (follower loads).
+/// Newton's method with line search for equations r(x) = 0, where r is the gradient of an energy
+/// plus forces without a potential (follower loads).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -55,7 +55,7 @@ class NonlinearSystem {
 struct NewtonIterate {
   double residual_n = 0.0;            ///< |r| [N].
   double residual_reference_n = 0.0;  ///< [N]; the relative residual is |r| divided by this.
-  double energy_mj = 0.0;             ///< W minus the work of follower loads since the start.
+  double energy_mj = 0.0;             ///< W minus the work of follower loads from the start [mJ].
   double step_length = 0.0;           ///< alpha; 0 at the start.
   double tangent_blend = 0.0;         ///< beta of the tangent of the step.
   double diagonal_shift = 0.0;        ///< tau of the tangent of the step.
@@ -70,11 +70,11 @@ struct NewtonOptions {
   double relative_tolerance = 1e-8;
   /// Converged if |r| <= this [N], >= 0: for a body at rest, whose forces are all round-off.
   double absolute_tolerance_n = 0.0;
-  /// Bound of the round-off of each component of r [N]: converged, too, if the part of r beyond it
-  /// satisfies the relative tolerance. Empty: none. For find_equilibrium(): 3 per node.
+  /// Bound of the round-off of each component of r [N]: also converged if the part of r beyond this
+  /// bound satisfies the relative tolerance. Empty: none. For find_equilibrium(): 3 per node.
   VectorX round_off_n = {};
-  /// Whether the start may be accepted if its r is mostly round-off. Set to false if a load acts:
-  /// at least one step is then tried.
+  /// Whether round_off_n may accept a start with any |r|. Set to false if a load acts: round_off_n
+  /// then accepts only a start with a small |r| (kMaxRoundOffFraction).
   bool may_start_at_rest = true;
   int max_iterations = 30;  ///< Max number of steps; >= 1.
   int max_backtracks = 20;  ///< Max number of contractions, or expansions, of one step; >= 0.
@@ -109,20 +109,20 @@ enum class NewtonStop {
   kConverged,
   kTooManyIterations,
   kStagnated,           ///< No acceptable step, or many steps without progress.
-  kSingularTangent,     ///< No shift made the tangent positive definite: the body is not supported.
+  kSingularTangent,     ///< No tangent was positive definite: the body may lack support.
   kLinearNotConverged,  ///< An iterative linear solver did not converge.
   kOutOfMemory,         ///< The factor does not fit into memory; a solution may exist.
-  kInadmissibleStart,   ///< The start inverts an element, or is not finite.
+  kInadmissibleStart,   ///< An element is inverted at the start, or the start is not finite.
   kRejected,            ///< Converged to a state that the caller rejects.
-  kCancelled            ///< Progress asked to stop.
+  kCancelled            ///< `progress` requested a stop.
 };
 
 /// Result of a solve, converged or not.
 struct NewtonOutcome {
   NewtonStop stop = NewtonStop::kInadmissibleStart;
-  std::string reason;                  ///< Why it ended, with the residual and the tolerance.
+  std::string reason;                  ///< Why the solve ended, with residual and tolerance.
   VectorX x;                           ///< Last admissible state; the start if there is none.
-  std::vector<NewtonIterate> history;  ///< The start, then one line per iteration.
+  std::vector<NewtonIterate> history;  ///< The start, if admissible, then one line per step.
 
   [[nodiscard]] bool converged() const { return stop == NewtonStop::kConverged; }
   [[nodiscard]] int iterations() const {
@@ -135,29 +135,30 @@ struct NewtonOutcome {
 ///
 /// In each step:
 ///
-/// 1. **Convergence.** End if |r| <= max(relative_tolerance R, absolute_tolerance_n), R being the
-///    residual reference, or if the part of r beyond its round-off satisfies the first.
+/// 1. **Convergence.** End if |r| <= max(relative_tolerance R, absolute_tolerance_n), where R is
+///    the residual reference, or if the norm of the part of r beyond round_off_n is at most
+///    relative_tolerance R.
 /// 2. **Linear tolerance** of iterative solvers: eta_k = (|r_k| / |r_k-1|)^2 within bounds
 ///    (\cite eisenstat1996, choice 2).
 /// 3. **Direction**: K dx = -r. If K is not positive definite, it is replaced by the first positive
 ///    definite one of
 ///      - (1 - beta) K + beta K+, where K+ is the stabilized tangent (tangent.h), for growing
 ///        beta <= 1;
-///      - K+ + tau D, where D is the diagonal of K+, for growing tau (\cite nocedal2006, algorithm
-///        3.3).
+///      - K+ + tau D for growing tau (\cite nocedal2006, algorithm 3.3), where D holds the absolute
+///        values of the diagonal of K+, small ones raised (kMinDiagonal).
 /// 4. **Forces without a potential**: if A != 0, also (K + A) dx' = -r by GMRES; the factor of step
 ///    3 is the preconditioner.
 /// 5. **Line search along dx'**, if there is one: alpha = 1, 1/2, ... until the condition of step 6
 ///    holds or |r(x + alpha dx')| <= (1 - c alpha) |r|.
 /// 6. **Line search along dx**, if there is no step yet (\cite nocedal2006, algorithm 3.1): Armijo
-///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states fail
-///    it. If the expected change of W is within its round-off, |r| must decrease instead. The
-///    tangent of step 3 is positive definite, so that dx descends.
-/// 7. **Expansion**: a full step with beta > 0 is expanded while the curvature condition (equation
-///    (3.5)) fails and W decreases.
-/// 8. **Stagnation**: end after `stagnation_iterations` steps without progress. Progress is a
-///    decrease of W by more than its round-off (after a step with tau > 0: by more than a fraction
-///    of the decrease so far), or of the minimum of |r| by 10 %.
+///    condition W(x + alpha dx) <= W(x) + c alpha r . dx (equation (3.4)). Inadmissible states do
+///    not satisfy it. If the expected change of W is within its round-off, |r| must decrease
+///    instead. The tangent of step 3 is positive definite, so that dx is a descent direction.
+/// 7. **Expansion**: a full step along dx with beta > 0 is expanded while the curvature condition
+///    (equation (3.5)) fails and W decreases.
+/// 8. **Stagnation**: end if no step was accepted, or after `stagnation_iterations` steps without
+///    progress. Progress is a decrease of W by more than its round-off (after a step with tau > 0:
+///    also by more than a fraction of the decrease so far), or of the minimum of |r| by 10 %.
 ///
 /// In steps 5 to 7, alpha is at most NewtonOptions::max_step_length.
 /// In steps 5 to 8, W contains the integral of f . dx along the steps (minus the work of the

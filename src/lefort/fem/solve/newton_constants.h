@@ -7,12 +7,12 @@ namespace lefort::fem::internal {
 
 // Diagonal shift tau (\cite nocedal2006, algorithm 3.3). The shift is relative to the diagonal.
 
-/// First tau; the algorithm calls it beta and has the same value.
+/// First tau; the algorithm calls it beta and uses this value.
 inline constexpr double kFirstShift = 1e-3;
 /// Factor from one tau to the next. The algorithm uses 2 and permits larger factors; each trial
 /// costs a factorization.
 inline constexpr double kShiftGrowth = 4.0;
-/// Diagonal entries below this fraction of their mean are raised to it before they are scaled.
+/// Absolute values of diagonal entries below this fraction of their mean are raised to it.
 inline constexpr double kMinDiagonal = 1e-3;
 
 // Tangent blend beta, the fraction of the stabilized tangent.
@@ -27,7 +27,7 @@ inline constexpr double kBlendGrowth = 2.0;
 
 inline constexpr double kMinContraction = 0.5;
 inline constexpr double kMaxContraction = 0.1;
-/// If the accepted step is shorter than this, the next tangent blend starts higher.
+/// If alpha of the accepted step is less than this, the next tangent blend starts higher.
 inline constexpr double kShortStep = 0.5;
 
 // Expansion of a step by a blended or shifted tangent (test
@@ -41,8 +41,8 @@ inline constexpr double kMaxExpansion = 4.0;
 
 // Antisymmetric part A of the tangent, solved by GMRES.
 
-/// Entries of A below this fraction of those of K are round-off: contributions that cancel, as at
-/// the border of a pressure that slides in a plane.
+/// A is neglected if its largest entry is at most this fraction of the largest of K: it is then the
+/// round-off of contributions that cancel, as where a pressure's border slides in a plane.
 inline constexpr double kAntisymmetricRoundOff = 1e-10;
 inline constexpr int kMaxGmresIterations = 200;
 /// Tolerance of GMRES as a multiple of that of the symmetric solve: an iteration costs little
@@ -52,7 +52,7 @@ inline constexpr double kGmresToleranceFactor = 1e-2;
 inline constexpr double kPreconditionerTolerance = 1e-2;
 /// Largest relative residual of GMRES with which its direction is tried.
 inline constexpr double kMaxGmresResidual = 0.1;
-/// Max trials along the direction of GMRES; after them the direction of K alone is tried.
+/// Max number of trials along the direction of GMRES, before the direction of K alone.
 inline constexpr int kNonsymmetricTrials = 4;
 
 // Stagnation.
@@ -62,7 +62,7 @@ inline constexpr double kRoundOffMultiple = 10.0;
 /// ... and, after a step with a shift, this fraction of the decrease so far (test
 /// ShiftedStepsWithLittleProgressStagnate).
 inline constexpr double kShiftedGainFraction = 1e-3;
-/// A decrease of |r| counts if |r| falls below this multiple of its minimum.
+/// A decrease of |r| counts if |r| falls below this multiple of its previous minimum.
 inline constexpr double kResidualReduction = 0.9;
 
 // Convergence by round-off.

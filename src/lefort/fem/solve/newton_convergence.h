@@ -10,10 +10,11 @@ namespace lefort::fem::internal {
 /// \returns |r| at or below which a state has converged [N].
 [[nodiscard]] double tolerance_n(const NewtonState& at, const NewtonOptions& options);
 
-/// \returns whether the part of r that exceeds its round-off satisfies the relative tolerance.
+/// \returns whether the part of r beyond NewtonOptions::round_off_n satisfies the relative
+///   tolerance; false if round_off_n is empty.
 [[nodiscard]] bool is_round_off(const NewtonState& at, const NewtonOptions& options);
 
-/// \param iterations  done so far.
+/// \param iterations  number of steps so far.
 [[nodiscard]] bool is_converged(const NewtonState& at, int iterations,
                                 const NewtonOptions& options);
 
@@ -41,8 +42,8 @@ class EisenstatWalkerTolerance {
   explicit EisenstatWalkerTolerance(const NewtonOptions& options)
       : max_(options.max_linear_tolerance), min_(options.min_linear_tolerance) {}
 
-  /// \param residual_n     |r| at the start of the step.
-  /// \param converged_n    |r| at which Newton's method converges.
+  /// \param residual_n   |r| at the start of the step.
+  /// \param converged_n  |r| at which Newton's method converges.
   /// \returns the relative tolerance.
   double next(double residual_n, double converged_n);
 

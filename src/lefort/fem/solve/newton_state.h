@@ -1,5 +1,5 @@
 /// \file
-/// State and tangent of solve_newton(), as its parts exchange them.
+/// State and tangent that the parts of solve_newton() exchange.
 #pragma once
 
 #include <lefort/fem/solve/newton.h>

@@ -14,21 +14,21 @@ namespace lefort::fem::internal {
 struct SearchDirection {
   VectorX dx;                                  ///< By the symmetric tangent.
   TangentModel model;                          ///< That tangent.
-  std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, if there is an A and GMRES succeeds.
+  std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, if A is not 0 and GMRES succeeds.
 };
 
 /// Finds the search direction at each state of a solve.
 class DirectionFinder {
  public:
   /// All arguments must outlive the finder.
-  /// \param options  on_phase and max_diagonal_shift are used.
-  /// \param progress  checked before every factorization but the first.
+  /// \param options   on_phase and max_diagonal_shift are used.
+  /// \param progress  checked before every factorization of a step except its first.
   DirectionFinder(const NonlinearSystem& system, linear::LinearSolver& linear_solver,
                   const NewtonOptions& options, const Progress& progress)
       : system_(system), solver_(linear_solver), options_(options), progress_(progress) {}
 
-  /// Solves with the exact tangent; if that is not positive definite, with the smallest tangent
-  /// blend of a sequence that is; if none is, with the smallest diagonal shift of a sequence.
+  /// Solves with the first positive definite tangent of a sequence: the exact tangent, then growing
+  /// tangent blends, then growing diagonal shifts.
   /// \param at         the state.
   /// \param last       tangent of the previous step.
   /// \param tolerance  of an iterative linear solver.
