@@ -24,7 +24,8 @@ TEST(LandmarkDisplacements, AreThoseOfTheSkin) {
 }
 
 TEST(LandmarkDisplacements, RejectDifferentSurfaces) {
-  const auto carried = displace_landmarks({}, test::make_sheet(20.0, 10), test::make_sheet(20.0, 11));
+  const auto carried =
+      displace_landmarks({}, test::make_sheet(20.0, 10), test::make_sheet(20.0, 11));
   ASSERT_FALSE(carried);
   EXPECT_EQ(carried.error().code, ErrorCode::kInvalidArgument);
 }

@@ -187,7 +187,8 @@ TEST_P(WeightedContactShapes, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) 
   const Patch patch = patch_of(GetParam());
   RigidObstacle below = ball();
   below.X_LB.translation() = Vec3(0.3, -0.2, -6.5);
-  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below},
+                           {.stiffness_mpa_per_mm = kStiffness});
   below.X_LB.translation().z() = -5.2;
   term.set_pose(0, below.X_LB);
   std::mt19937 generator(7);
@@ -205,7 +206,8 @@ void expect_derivatives_at_ridge(mesh::FaceShape shape, RigidObstacle below, dou
                                  double stiffness_error) {
   const Patch patch = patch_of(shape);
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
-  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below},
+                           {.stiffness_mpa_per_mm = kStiffness});
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> shift_mm(-0.6 * depth_mm, 0.6 * depth_mm);
   for (const double x_mm : {0.45, 0.9}) {
@@ -230,7 +232,7 @@ TEST_P(WeightedContactShapes, SharpPointsNearTheBorderHaveTheForceOfTheEnergy) {
 TEST_P(WeightedContactShapes, UniformDepthOnAFlatBoneIsUniformPressure) {
   const Patch patch = patch_of(GetParam());
   WeightedContactTerm term(patch.nodes_L, patch.faces, {slab()},
-                         {.stiffness_mpa_per_mm = kStiffness});
+                           {.stiffness_mpa_per_mm = kStiffness});
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation().z() = 0.5;
   term.set_pose(0, X_LB);
@@ -257,7 +259,7 @@ TEST(WeightedContactTerm, TissueAtRestIsFreeOfForceAlsoInsideSharpBone) {
   RigidObstacle inside = ridge();
   inside.X_LB.translation() = Vec3(0.45, 0.0, 0.2);
   const WeightedContactTerm term(patch.nodes_L, patch.faces, {inside},
-                               {.stiffness_mpa_per_mm = kStiffness});
+                                 {.stiffness_mpa_per_mm = kStiffness});
   EXPECT_GT(term.rest_penetration_mm(), 0.0);
   EXPECT_NEAR(gather(term, patch.nodes_L).energy_mj, 0.0, 1e-15);
 }
@@ -267,7 +269,7 @@ TEST(WeightedContactTerm, NotingClearancesChangesNoResult) {
   RigidObstacle below = ball();
   below.X_LB.translation() = Vec3(0.3, -0.2, -7.0);
   WeightedContactTerm plain(patch.nodes_L, patch.faces, {below},
-                          {.stiffness_mpa_per_mm = kStiffness});
+                            {.stiffness_mpa_per_mm = kStiffness});
   WeightedContactTerm noted = plain;
   noted.note_clearances(patch.nodes_L);
   for (double z = -7.0; z < -5.0; z += 0.1) {
@@ -285,7 +287,7 @@ TEST(WeightedContactTerm, NotingClearancesChangesNoResultOfSharpPoints) {
   RigidObstacle below = ridge();
   below.X_LB.translation() = Vec3(0.45, 0.0, -0.5);
   WeightedContactTerm plain(patch.nodes_L, patch.faces, {below},
-                          {.stiffness_mpa_per_mm = kStiffness});
+                            {.stiffness_mpa_per_mm = kStiffness});
   WeightedContactTerm noted = plain;
   noted.note_clearances(patch.nodes_L);
   double energy_mj = 0.0;
@@ -311,7 +313,8 @@ TEST(WeightedContactTerm, TheForceOfASharpPointFadesOutTowardsTheBorder) {
   tip.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
   RigidObstacle below = obstacle(tip);
   below.X_LB.translation() = Vec3(0.3, 0.3, -0.5);
-  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below},
+                           {.stiffness_mpa_per_mm = kStiffness});
   double last_mj = 0.0, first_mj = 0.0, max_jump_mj = 0.0;
   for (int n = 0; n <= 140; ++n) {
     below.X_LB.translation() = Vec3(0.3 + kStep_mm * n, 0.3 + kStep_mm * n, kDepth_mm);
@@ -337,7 +340,7 @@ TEST(WeightedContactTerm, SharpBoneOnTheOtherSideOfTheTissueIsNoContact) {
     if (is_other_side)
       bone.X_LB.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
     WeightedContactTerm term(patch.nodes_L, patch.faces, {bone},
-                           {.stiffness_mpa_per_mm = kStiffness});
+                             {.stiffness_mpa_per_mm = kStiffness});
     bone.X_LB.translation().z() = 0.2;
     term.set_pose(0, bone.X_LB);
     std::vector<Vec3> lifted = patch.nodes_L;  // The weighted gaps are open.
@@ -353,7 +356,8 @@ TEST(WeightedContactTerm, TheAreaOfAFaceCountsWithItsActiveNodesOnly) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle below = slab();
   below.X_LB.translation().z() = -3.0;
-  WeightedContactTerm term(patch.nodes_L, patch.faces, {below}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {below},
+                           {.stiffness_mpa_per_mm = kStiffness});
   below.X_LB.translation().z() = 0.0;
   term.set_pose(0, below.X_LB);
   std::vector<Vec3> x_L = patch.nodes_L;
@@ -369,12 +373,14 @@ TEST(WeightedContactTerm, CarriedNodesAllowAMotionThatWouldPassThroughThem) {
   const Patch patch = patch_of(mesh::FaceShape::kTri3);
   RigidObstacle plate = obstacle(test::make_box({-10, -10, -0.6}, {10, 10, 0}));
   plate.X_LB.translation().z() = -0.2;
-  WeightedContactTerm term(patch.nodes_L, patch.faces, {plate}, {.stiffness_mpa_per_mm = kStiffness});
+  WeightedContactTerm term(patch.nodes_L, patch.faces, {plate},
+                           {.stiffness_mpa_per_mm = kStiffness});
   const std::vector<RigidTransform> from{plate.X_LB};
   plate.X_LB.translation().z() = 3.0;
   term.set_pose(0, plate.X_LB);
   EXPECT_LT(term.max_motion(patch.nodes_L, from, patch.nodes_L), 1.0);
-  const std::vector<Vec3> moved_with_bones = term.moved_with_bones(patch.nodes_L, from, patch.nodes_L);
+  const std::vector<Vec3> moved_with_bones =
+      term.moved_with_bones(patch.nodes_L, from, patch.nodes_L);
   EXPECT_EQ(term.max_motion(patch.nodes_L, from, moved_with_bones), 1.0);
   for (std::size_t n = 0; n < moved_with_bones.size(); ++n)
     EXPECT_NEAR(moved_with_bones[n].z() - patch.nodes_L[n].z(), 3.2, 1e-12);
@@ -388,9 +394,9 @@ TEST(WeightedContactTerm, TwoBonesActAsOneObstacle) {
   RigidObstacle start = slab();
   start.X_LB.translation().z() = -1.0;
   WeightedContactTerm alone(patch.nodes_L, patch.faces, {start},
-                          {.stiffness_mpa_per_mm = kStiffness});
+                            {.stiffness_mpa_per_mm = kStiffness});
   WeightedContactTerm both(patch.nodes_L, patch.faces, {start, start},
-                         {.stiffness_mpa_per_mm = kStiffness});
+                           {.stiffness_mpa_per_mm = kStiffness});
   alone.set_pose(0, one.X_LB);
   both.set_pose(0, one.X_LB);
   both.set_pose(1, other.X_LB);

@@ -1,5 +1,5 @@
-#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_active_set.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/equilibrium.h>
@@ -120,9 +120,9 @@ double pressed_force_n(const Indenter& indenter) {
           .value());
   contact::RigidObstacle bone{
       contact::field_distance_query(field, contact::DetectionMethod::kSmooth, surface).value()};
-  contact::WeightedContactTerm term(
-      mesh.nodes_L, mesh.face_sets.at("z1"), {bone},
-      {.stiffness_mpa_per_mm = contact::weighted_stiffness_mpa_per_mm(kYoung_mpa, 0.01 * kDepth_mm)});
+  contact::WeightedContactTerm term(mesh.nodes_L, mesh.face_sets.at("z1"), {bone},
+                                    {.stiffness_mpa_per_mm = contact::weighted_stiffness_mpa_per_mm(
+                                         kYoung_mpa, 0.01 * kDepth_mm)});
   bone.X_LB.translation().z() = -kDepth_mm;
   term.set_pose(0, bone.X_LB);
   const auto elements = fem::make_element_terms(

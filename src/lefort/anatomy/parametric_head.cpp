@@ -69,7 +69,7 @@ double maxilla(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p);
   const Vec3 spine = in_plane(s.anterior_spine_mm), teeth = in_plane(s.incisors_mm);
   double bone =
-      std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y() + 0.0);
+      std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y());
   bone = join(bone, zygoma(q, s), 6.0);
   bone = without(bone, ellipsoid(q, {24, -60, -11}, {9, 13, 11}), 1.0);  // Sinus.
   const Vec3 alveolus = 0.5 * (spine + teeth);

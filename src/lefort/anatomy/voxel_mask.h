@@ -104,7 +104,7 @@ struct Components {
 
 /// For each component, whether one of its voxels is in `mask`; entry 0 is 0.
 [[nodiscard]] std::vector<std::uint8_t> components_overlapping(const Components& components,
-                                                            const Mask& mask);
+                                                               const Mask& mask);
 
 /// Convolution with a Gaussian; values outside of the grid repeat those of its faces.
 ///

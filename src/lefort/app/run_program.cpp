@@ -11,9 +11,11 @@
 namespace lefort::app {
 
 int run_program(int argc, char** argv) {
-  CLI::App cli{fmt::format("lefort {}: from a head CT and a bone plan to the predicted face.\n{}",
-                           kVersion, kNotForClinicalUse),
-               "lefort"};
+  CLI::App cli{
+      fmt::format(
+          "lefort {}: from a head CT and a plan of bone movements to the predicted face.\n{}",
+          kVersion, kNotForClinicalUse),
+      "lefort"};
   CommandContext context;
   cli.set_version_flag("--version", kVersion);
   cli.fallthrough();

@@ -4,8 +4,8 @@
 
 namespace lefort::compare {
 Result<plan::Landmarks> displace_landmarks(std::span<const plan::Landmark> landmarks_L,
-                                        const geometry::TriangleMesh& before_L,
-                                        const geometry::TriangleMesh& after_L, double near_mm) {
+                                           const geometry::TriangleMesh& before_L,
+                                           const geometry::TriangleMesh& after_L, double near_mm) {
   if (before_L.vertices.size() != after_L.vertices.size() ||
       before_L.triangles != after_L.triangles)
     return fail(ErrorCode::kInvalidArgument,

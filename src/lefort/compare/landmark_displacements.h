@@ -18,9 +18,8 @@ namespace lefort::compare {
 /// \param near_mm            max distance of a landmark from the skin.
 /// \returns the displaced landmarks within `near_mm` of the skin, in their order; or
 ///   kInvalidArgument if the vertex counts or triangles differ.
-[[nodiscard]] Result<plan::Landmarks> displace_landmarks(std::span<const plan::Landmark> landmarks_L,
-                                                      const geometry::TriangleMesh& before_L,
-                                                      const geometry::TriangleMesh& after_L,
-                                                      double near_mm = 5.0);
+[[nodiscard]] Result<plan::Landmarks> displace_landmarks(
+    std::span<const plan::Landmark> landmarks_L, const geometry::TriangleMesh& before_L,
+    const geometry::TriangleMesh& after_L, double near_mm = 5.0);
 
 }  // namespace lefort::compare

@@ -243,7 +243,10 @@ Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
   const auto not_converged = [](std::string what) {
     return fail(ErrorCode::kNotConverged, std::move(what));
   };
-  if (!std::isfinite(best.median_mm) || found.inlier_fraction < kMinInlierFraction)
+  if (!std::isfinite(best.median_mm))
+    return not_converged(
+        "half of the surface or more has no counterpart on the other; do both show the same bone?");
+  if (found.inlier_fraction < kMinInlierFraction)
     return not_converged(
         fmt::format("{:.0f} % of the surface have a counterpart on the other, must be {:.0f} %; "
                     "do both show the same bone?",

@@ -16,7 +16,7 @@ constexpr double kMaxPenaltyScale = 64.0;
 }  // namespace
 
 bool ContactHistory::has_tunneled(std::size_t point, const RigidObstacle& obstacle,
-                                   const Gap& measured) const {
+                                  const Gap& measured) const {
   const Point& at = points_[point];
   return !at.now.is_plane_constrained && !at.crossed_medial_surface &&
          is_at_far_side(obstacle, measured, at.reference);

@@ -25,7 +25,7 @@ struct ContactCheckpoint {
   std::vector<double> multipliers_mpa;       ///< One per point.
   std::vector<double> penalty_scales;        ///< One per point.
   std::vector<TangentPlane> tangent_planes;  ///< One per point.
-  double tunneled_area_mm2 = 0.0;           ///< Of all increments so far.
+  double tunneled_area_mm2 = 0.0;            ///< Of all increments so far.
 };
 
 /// Points are numbered as in ContactSurface. Functions of one point change that point alone, so
@@ -69,7 +69,7 @@ class ContactHistory {
 
   /// \returns whether the point has tunneled since the last accepted state.
   [[nodiscard]] bool has_tunneled(std::size_t point, const RigidObstacle& obstacle,
-                                   const Gap& measured) const;
+                                  const Gap& measured) const;
 
   /// Sets the contact reference of a point in the reference configuration.
   void set_reference(std::size_t point, const ContactReference& reference) {

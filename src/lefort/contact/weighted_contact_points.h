@@ -2,8 +2,8 @@
 /// Parts of WeightedContactTerm that its source files have in common.
 #pragma once
 
-#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/point_in_patch.h>
+#include <lefort/contact/weighted_contact_term.h>
 
 #include <limits>
 #include <vector>
@@ -28,9 +28,9 @@ struct WeightedContactTerm::PatchGap {
 
 template <class Function>
 void WeightedContactTerm::for_each_point_behind(const std::vector<PointsWithRest>& points,
-                                              std::size_t patch, std::span<const Vec3> x_L,
-                                              bool wants_hessian, const Function& f,
-                                              double max_depth_factor) const {
+                                                std::size_t patch, std::span<const Vec3> x_L,
+                                                bool wants_hessian, const Function& f,
+                                                double max_depth_factor) const {
   const double max_depth_mm = max_depth_factor * max_depth_mm_[patch];
   std::vector<PatchTriangle> triangles;  // Only if there is a point.
   const auto visit = [&](std::size_t bone, std::size_t v) {

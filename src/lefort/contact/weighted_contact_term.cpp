@@ -1,9 +1,9 @@
 #include <lefort/contact/dense_faces.h>
-#include <lefort/contact/weighted_contact_points.h>
-#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/contact/point_in_patch.h>
 #include <lefort/contact/step_bound.h>
+#include <lefort/contact/weighted_contact_points.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 
@@ -66,7 +66,8 @@ constexpr double kRounding = 1e-9;
 /// the element size.
 constexpr double kRemeasured = 0.25;
 
-/// Rounds of moved_with_bones(): each carries the neighbors of patches that the one before it moved_with_bones.
+/// Rounds of moved_with_bones(): each carries the neighbors of patches that the one before it
+/// moved_with_bones.
 constexpr int kMaxCarryRounds = 20;
 
 Mat3 positive_part(const Mat3& symmetric) {
@@ -77,8 +78,9 @@ Mat3 positive_part(const Mat3& symmetric) {
 
 }  // namespace
 
-WeightedContactTerm::WeightedContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
-                                     std::vector<RigidObstacle> bones, const Options& options)
+WeightedContactTerm::WeightedContactTerm(std::span<const Vec3> nodes_L,
+                                         std::vector<mesh::Face> faces,
+                                         std::vector<RigidObstacle> bones, const Options& options)
     : obstacles_(std::move(bones)),
       options_(options),
       patches_(nodes_L, faces),
@@ -142,7 +144,7 @@ void WeightedContactTerm::find_bone_points(std::span<const Vec3> nodes_L) {
 }
 
 void WeightedContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
-                                         std::span<const Vec3> nodes_L) const {
+                                           std::span<const Vec3> nodes_L) const {
   std::vector<std::vector<double>> at_rest;
   for (PointsWithRest& of_bone : points) {
     of_bone.rest_depths_mm.assign(of_bone.points.size(), 0.0);
@@ -163,7 +165,7 @@ void WeightedContactTerm::find_rest_depths(std::vector<PointsWithRest>& points,
 }
 
 void WeightedContactTerm::add_sharp_points(std::size_t patch, std::span<const Vec3> x_L,
-                                         fem::LocalEquations& local) const {
+                                           fem::LocalEquations& local) const {
   const bool is_exact = local.tangent == fem::Tangent::kExact;
   for_each_point_behind(
       sharp_points_, patch, x_L, local.wants_stiffness(),
@@ -213,7 +215,7 @@ bool WeightedContactTerm::is_conservative(const fem::DofMap& /*dofs*/) const {
 }
 
 bool WeightedContactTerm::measure(const NodePatch& patch, std::span<const Vec3> x_L,
-                                fem::LocalEquations* local, PatchGap& gap) const {
+                                  fem::LocalEquations* local, PatchGap& gap) const {
   const bool wants_hessian = local != nullptr && local->wants_stiffness();
   gap.gradient_mm2.setZero(3 * Index(x_L.size()));
   double volume_mm3 = 0.0;
@@ -252,7 +254,7 @@ bool WeightedContactTerm::measure(const NodePatch& patch, std::span<const Vec3> 
 }
 
 bool WeightedContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
-                                 fem::LocalEquations& local) const {
+                                   fem::LocalEquations& local) const {
   const NodePatch& patch = patches_[std::size_t(item)];
   if (is_clear(std::size_t(item), x_L)) {
     add_sharp_points(std::size_t(item), x_L, local);
@@ -301,8 +303,8 @@ ActiveSet WeightedContactTerm::active_set(std::span<const Vec3> x_L) const {
 }
 
 ActiveSet WeightedContactTerm::updated_active_set(const ActiveSet& active,
-                                                std::span<const Vec3> from_L,
-                                                std::span<const Vec3> to_L, double length) const {
+                                                  std::span<const Vec3> from_L,
+                                                  std::span<const Vec3> to_L, double length) const {
   ActiveSet updated(active.size(), 0.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
     const NodePatch& patch = patches_[std::size_t(p)];
@@ -324,7 +326,7 @@ ActiveSet WeightedContactTerm::updated_active_set(const ActiveSet& active,
 }
 
 std::vector<Vec3> WeightedContactTerm::own_points(const NodePatch& patch,
-                                                std::span<const Vec3> x_L) const {
+                                                  std::span<const Vec3> x_L) const {
   std::vector<Vec3> points_L{x_L[std::size_t(patch.node())]};
   for (const PatchFace& part : patch.faces) {
     if (part.center != 0) continue;
@@ -339,7 +341,7 @@ std::vector<Vec3> WeightedContactTerm::own_points(const NodePatch& patch,
 }
 
 double WeightedContactTerm::max_step_length(std::span<const Vec3> x_L,
-                                          std::span<const Vec3> dx_L) const {
+                                            std::span<const Vec3> dx_L) const {
   std::vector<double> allowed(patches_.size(), 1.0);
   parallel_for(Index(patches_.size()), [&](Index p) {
     const std::vector<Vec3> from_L = own_points(patches_[std::size_t(p)], x_L);
@@ -373,8 +375,8 @@ std::vector<WeightedContactTerm::Passage> WeightedContactTerm::passages(
 }
 
 double WeightedContactTerm::max_motion(std::span<const Vec3> from_L,
-                                     std::span<const RigidTransform> from_X_LB,
-                                     std::span<const Vec3> to_L) const {
+                                       std::span<const RigidTransform> from_X_LB,
+                                       std::span<const Vec3> to_L) const {
   double fraction = 1.0;
   for (const Passage& at : passages(from_L, from_X_LB, to_L))
     fraction = std::min(fraction, at.fraction);
@@ -382,8 +384,8 @@ double WeightedContactTerm::max_motion(std::span<const Vec3> from_L,
 }
 
 std::vector<Vec3> WeightedContactTerm::moved_with_bones(std::span<const Vec3> from_L,
-                                             std::span<const RigidTransform> from_X_LB,
-                                             std::vector<Vec3> to_L) const {
+                                                        std::span<const RigidTransform> from_X_LB,
+                                                        std::vector<Vec3> to_L) const {
   for (int round = 0; round < kMaxCarryRounds; ++round) {
     const std::vector<Passage> at = passages(from_L, from_X_LB, to_L);
     bool is_allowed = true;
@@ -426,7 +428,7 @@ void WeightedContactTerm::note_clearances(std::span<const Vec3> x_L) {
 }
 
 double WeightedContactTerm::moved_since_note_mm(std::size_t bone, std::size_t patch,
-                                              std::span<const Vec3> x_L) const {
+                                                std::span<const Vec3> x_L) const {
   if (clearances_.x_L.empty()) return std::numeric_limits<double>::infinity();
   const RigidTransform moved = obstacles_[bone].X_LB * clearances_.X_LB[bone].inverse();
   double squared_mm2 = 0.0;

@@ -58,7 +58,8 @@ inline constexpr double kWeightedTolerance_mm = 0.01;
 /// \param tolerance_mm  depth that a pressure of 4 E leaves, > 0. Such a nominal stress compresses
 ///   incompressible neo-Hookean tissue with free sides to less than a third of its height.
 /// \returns k: p = 2 k d, so that k = 2 E / tolerance.
-[[nodiscard]] constexpr double weighted_stiffness_mpa_per_mm(double young_mpa, double tolerance_mm) {
+[[nodiscard]] constexpr double weighted_stiffness_mpa_per_mm(double young_mpa,
+                                                             double tolerance_mm) {
   return 2.0 * young_mpa / tolerance_mm;
 }
 
@@ -85,7 +86,7 @@ class WeightedContactTerm final : public fem::ForceTerm {
   /// \param bones    at their poses in the reference configuration; at least one. Their sharp
   ///   points are those of DistanceQuery::surface_B(); without a surface there are none.
   WeightedContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
-                    std::vector<RigidObstacle> bones, const Options& options);
+                      std::vector<RigidObstacle> bones, const Options& options);
 
   /// Moves a bone. Not while the term is being evaluated.
   void set_pose(std::size_t bone, const RigidTransform& X_LB) { obstacles_[bone].X_LB = X_LB; }
@@ -148,8 +149,8 @@ class WeightedContactTerm final : public fem::ForceTerm {
   /// \param to_L       positions of all nodes [mm].
   /// \returns the changed positions; max_motion() may still not allow them.
   [[nodiscard]] std::vector<Vec3> moved_with_bones(std::span<const Vec3> from_L,
-                                          std::span<const RigidTransform> from_X_LB,
-                                          std::vector<Vec3> to_L) const;
+                                                   std::span<const RigidTransform> from_X_LB,
+                                                   std::vector<Vec3> to_L) const;
 
   /// \param x_L  current positions of all nodes [mm].
   /// \returns one entry per bone; forces are those on the tissue. Depths are those of dense samples

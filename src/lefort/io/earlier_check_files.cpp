@@ -62,8 +62,9 @@ Result<void> check_inputs_are_distinct(std::span<const fs::path> inputs,
   return {};
 }
 
-Result<void> check_overwrites_only_earlier(const fs::path& folder, std::span<const std::string> names,
-                                   std::span<const fs::path> earlier) {
+Result<void> check_overwrites_only_earlier(const fs::path& folder,
+                                           std::span<const std::string> names,
+                                           std::span<const fs::path> earlier) {
   std::error_code error;
   for (const std::string& name : names) {
     const fs::path file = folder / name;

@@ -35,8 +35,8 @@ namespace lefort::io {
 /// \param earlier  result of earlier_check_files().
 /// \returns nothing, or kFileUnwritable with the first of `names` that exists and is not in
 ///   `earlier`.
-[[nodiscard]] Result<void> check_overwrites_only_earlier(const std::filesystem::path& folder,
-                                                 std::span<const std::string> names,
-                                                 std::span<const std::filesystem::path> earlier);
+[[nodiscard]] Result<void> check_overwrites_only_earlier(
+    const std::filesystem::path& folder, std::span<const std::string> names,
+    std::span<const std::filesystem::path> earlier);
 
 }  // namespace lefort::io

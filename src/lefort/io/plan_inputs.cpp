@@ -19,12 +19,13 @@ void visit_files(OrderedJson& plan, const Visit& visit_string) {
     const auto found = object.find(key);
     if (found != object.end() && found->is_string()) visit_string(*found);
   };
+  const bool are_found = plan.value("landmarks", OrderedJson()) == "auto";  // Not a file.
   const auto visit_cuts = [&](OrderedJson& region) {
     for (const char* cuts : {"planes", "curves"})
       if (region.contains(cuts))
         for (OrderedJson& cut : region[cuts]) visit(cut, "file");
   };
-  visit(plan, "landmarks");
+  if (!are_found) visit(plan, "landmarks");
   if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
   if (plan.contains("boundary")) visit(plan["boundary"], "labels");
   for (OrderedJson& segment : plan["segments"]) {

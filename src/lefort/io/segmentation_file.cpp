@@ -128,7 +128,7 @@ constexpr Naming<BoundaryLabel> kBoundaryNaming{
     [](std::string_view name, std::string_view) -> std::optional<BoundaryLabel> {
       for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
         if (name == style.name) return style.label;
-      if (name == "slides") return BoundaryLabel::kContact;  // Until version 0.3.
+      if (name == "slides") return BoundaryLabel::kContact;  // Deprecated.
       return std::nullopt;
     },
     [](BoundaryLabel, BoundaryLabel) { return true; },

@@ -19,7 +19,7 @@ bool is_bounded(const CutPlane& plane) { return plane.bounds.has_value(); }
 std::string invalid_reason(const CutPlane& plane) {
   if (!plane.point_L.allFinite()) return "its point is not finite";
   if (!plane.normal_L.allFinite() || !(plane.normal_L.norm() > 1e-6))
-    return fmt::format("its normal has length {}, must be 1", plane.normal_L.norm());
+    return fmt::format("its normal has length {}, must be above 0", plane.normal_L.norm());
   if (!plane.bounds) return {};
   const auto& [across_L, width_mm, height_mm] = *plane.bounds;
   if (!(width_mm > 0.0 && height_mm > 0.0) || !std::isfinite(width_mm + height_mm))

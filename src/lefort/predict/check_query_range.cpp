@@ -55,7 +55,7 @@ Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
 }
 
 Result<DistanceQueries> bone_distance_queries(const std::vector<ContactBone>& segments,
-                                                 contact::DetectionMethod detection) {
+                                              contact::DetectionMethod detection) {
   DistanceQueries distance_queries_B;
   for (const ContactBone& segment : segments) {
     LEFORT_TRY(auto distance_query_B, bone_distance_query(segment, detection));
@@ -81,8 +81,7 @@ Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                contact::DetectionMethod detection,
                                const BoundaryOptions& boundary) {
   LEFORT_CHECK(paths.size() == segments.size());
-  LEFORT_TRY(const DistanceQueries distance_queries_B,
-             bone_distance_queries(segments, detection));
+  LEFORT_TRY(const DistanceQueries distance_queries_B, bone_distance_queries(segments, detection));
   return check_query_range(paths, segments, distance_queries_B, boundary);
 }
 

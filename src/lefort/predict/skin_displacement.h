@@ -14,6 +14,7 @@ struct SkinDisplacementStatistics {
 };
 
 /// \param displacement_mm  of every vertex of the skin.
-[[nodiscard]] SkinDisplacementStatistics measure_skin_displacement(std::span<const Vec3> displacement_mm);
+[[nodiscard]] SkinDisplacementStatistics measure_skin_displacement(
+    std::span<const Vec3> displacement_mm);
 
 }  // namespace lefort::predict

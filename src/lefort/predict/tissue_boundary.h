@@ -21,9 +21,9 @@ namespace lefort::predict {
 namespace sets {
 inline constexpr const char* kMobilizedSegment = "mobilized_segment";  ///< On a segment.
 inline constexpr const char* kStationaryBone = "stationary_bone";      ///< On stationary bone.
-inline constexpr const char* kCut = "cut";                 ///< Where the meshed region ends.
+inline constexpr const char* kCut = "cut";                     ///< Where the meshed region ends.
 inline constexpr const char* kScanBoundary = "scan_boundary";  ///< Where the scan ends.
-inline constexpr const char* kBrain = "brain";             ///< At the cranial cavity.
+inline constexpr const char* kBrain = "brain";                 ///< At the cranial cavity.
 inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
 inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.

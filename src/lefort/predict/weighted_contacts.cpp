@@ -53,7 +53,8 @@ bool WeightedContacts::allows_motion(const std::vector<RigidTransform>& from_X_L
 }
 
 VectorX WeightedContacts::moved_with_bones(const std::vector<RigidTransform>& from_X_LB,
-                                  const std::vector<Vec3>& last_L, const VectorX& to) const {
+                                           const std::vector<Vec3>& last_L,
+                                           const VectorX& to) const {
   std::vector<Vec3> x_L = contact::displaced(tissue_->nodes_L, to);
   if (on_segments) x_L = on_segments->moved_with_bones(last_L, from_X_LB, std::move(x_L));
   VectorX u(3 * Index(x_L.size()));

@@ -2,8 +2,8 @@
 /// Contact of the face by weighted gaps (contact/weighted_contact_term.h).
 #pragma once
 
-#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_active_set.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/solve/newton.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -60,7 +60,7 @@ class WeightedContacts {
                                    const std::vector<Vec3>& last_L, const VectorX& to) const;
   /// Displacements `to`, but tissue through which a segment would pass moves with this segment.
   [[nodiscard]] VectorX moved_with_bones(const std::vector<RigidTransform>& from_X_LB,
-                                const std::vector<Vec3>& last_L, const VectorX& to) const;
+                                         const std::vector<Vec3>& last_L, const VectorX& to) const;
 
   const mesh::VolumeMesh* tissue_ = nullptr;
 };

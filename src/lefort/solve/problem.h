@@ -3,8 +3,8 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/contact/weighted_contact_term.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/load_steps.h>

@@ -207,7 +207,7 @@ Result<DeckRun> DeckRunner::run() {
 
 fem::NewtonOutcome DeckRunner::solve_at(double time, const VectorX& start) {
   problem_.set_time(time);
-  newton_.may_start_at_rest = is_at_rest(prepared_, time);
+  newton_.may_accept_start_by_round_off = is_at_rest(prepared_, time);
   const auto solve_unilateral = [&](const VectorX& from) {
     return contact::solve_augmented_lagrangian(
         problem_.contacts(), prepared_.mesh.nodes_L, from, [&](const VectorX& x) {

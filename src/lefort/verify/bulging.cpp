@@ -63,7 +63,7 @@ Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
   const double kappa_mpa =
       2.0 * kBulgeMu_mpa * (1.0 + kBulgePoisson) / (3.0 * (1.0 - 2.0 * kBulgePoisson));
   CaseModel model{.mesh = graded_cube(shape, cells, kHalf_mm, kBulgeGrading),
-                  .materials = {{0, split_neo_hookean(kBulgeMu_mpa, kappa_mpa)}},
+                  .materials = {{0, decoupled_neo_hookean(kBulgeMu_mpa, kappa_mpa)}},
                   .prescribed = {}};
   const auto& sets = model.mesh.node_sets;
   const auto top = sets.at("z1");

@@ -9,7 +9,7 @@
 
 namespace lefort::verify {
 
-fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa) {
+fem::Material decoupled_neo_hookean(double mu_mpa, double kappa_mpa) {
   return fem::DecoupledLaw<fem::IsochoricNeoHookean>{
       .isochoric = {.mu_mpa = mu_mpa},
       .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = kappa_mpa}};

@@ -21,7 +21,7 @@ namespace lefort::verify {
 
 /// Material of most cases: the decoupled neo-Hookean law with VolumetricForm::kQuadraticLog; mu and
 /// kappa are the shear and bulk modulus at small strain.
-[[nodiscard]] fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa);
+[[nodiscard]] fem::Material decoupled_neo_hookean(double mu_mpa, double kappa_mpa);
 
 /// An additional force term that depends on the load fraction.
 struct ExtraTerm {

@@ -181,8 +181,9 @@ Section verify_convergence(Extent extent, Progress& progress) {
           "the displacement must decrease by a factor of 4 for linear and 8 for quadratic shapes, "
           "and that of its gradient by 2 and 4 (orders p + 1 and p: Hughes, The Finite Element "
           "Method, section 4.1). There are two laws: a compressible neo-Hookean one, and a "
-          "decoupled one with bulk over shear modulus {:.0f} and the mean dilatation of each "
-          "shape. With the second law the waves are transverse, so that the volume changes only "
+          "decoupled one with bulk over shear modulus {:.0f} and the volumetric averaging of "
+          "each shape. With the second law the waves are transverse, so that the volume changes "
+          "only "
           "to second order.",
           kKappa_mpa)};
   std::vector<int> cells{2, 4, 8};

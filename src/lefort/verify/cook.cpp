@@ -141,8 +141,8 @@ Section verify_cook(Extent extent, Progress& progress) {
           "strain: one layer of elements, fixed across it. nu = 0.4999, bulk modulus 5000 times "
           "the shear modulus, decoupled neo-Hookean law (Simo and Armero 1992); a dead load of "
           "6.25 MPa on the end shears it at finite strain. The report has the relative error of "
-          "the rise of the upper corner of the end, with mean dilatation (the method of each "
-          "shape) and with full integration. The reference, {} mm, comes from a different "
+          "the rise of the upper corner of the end, with volumetric averaging (the method of "
+          "each shape) and with full integration. The reference, {} mm, comes from a different "
           "program: Taylor-Hood elements, 6.90927, 6.92736, 6.93111 and 6.93187 mm on 4, 8, 16 "
           "and 32 cells. Cells are divided along their shorter diagonal; in the full form also "
           "along the longer one, which makes slender elements.",

@@ -38,8 +38,8 @@ void fix_component(const std::vector<std::int32_t>& nodes, int component,
 fem::Material cook_material() {
   constexpr double kYoung_mpa = 240.565;
   constexpr double kMembranePoisson = 0.4999;
-  return split_neo_hookean(kYoung_mpa / (2.0 * (1.0 + kMembranePoisson)),
-                           kYoung_mpa / (3.0 * (1.0 - 2.0 * kMembranePoisson)));
+  return decoupled_neo_hookean(kYoung_mpa / (2.0 * (1.0 + kMembranePoisson)),
+                               kYoung_mpa / (3.0 * (1.0 - 2.0 * kMembranePoisson)));
 }
 
 CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal diagonal) {

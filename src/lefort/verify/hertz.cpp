@@ -113,7 +113,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
                         const std::shared_ptr<const contact::DistanceQuery>& sphere_B,
                         Progress& progress) {
   CaseModel model{.mesh = graded_block(shape, cells),
-                  .materials = {{0, split_neo_hookean(kHertzMu_mpa, kHertzKappa_mpa)}},
+                  .materials = {{0, decoupled_neo_hookean(kHertzMu_mpa, kHertzKappa_mpa)}},
                   .prescribed = {}};
   const double side_mm = kFarRadii * contact_radius_mm();
   const auto is_far = [&](const Vec3& p) {

@@ -46,7 +46,7 @@ double pressure_of(Vessel vessel) {
   return vessel == Vessel::kCylinder ? cylinder_pressure(kInflation) : sphere_pressure(kInflation);
 }
 
-fem::Material wall_law() { return split_neo_hookean(kShellMu_mpa, kShellKappa_mpa); }
+fem::Material wall_law() { return decoupled_neo_hookean(kShellMu_mpa, kShellKappa_mpa); }
 
 /// State of a point on a ray through the wall: current radius and radial nominal stress.
 struct Ray {

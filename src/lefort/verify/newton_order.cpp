@@ -141,7 +141,8 @@ Section newton_section() {
           .title = "Newton's method converges quadratically",
           .text =
               "A cube of 2 x 2 x 2 cells is sheared by 0.3 and 0.1 and compressed by 0.15 of its "
-              "height; bulk modulus 20 times the shear modulus, mean dilatation. Near the solution "
+              "height; bulk modulus 20 times the shear modulus, volumetric averaging. Near the "
+              "solution "
               "each residual must vary as the square of the one before, if the tangent is the "
               "derivative of the forces (Nocedal and Wright, Numerical Optimization, theorem 3.5). "
               "Few residuals lie between that region and round-off; therefore the same equilibrium "

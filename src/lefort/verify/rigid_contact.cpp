@@ -87,7 +87,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
       .mesh = mesh::make_box(mesh::ElementShape::kHex8,
                              {cells(kBlock_mm[0]), cells(kBlock_mm[1]), cells(kBlock_mm[2])},
                              Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
-      .materials = {{0, split_neo_hookean(kPunchMu_mpa, kPunchKappa_mpa)}},
+      .materials = {{0, decoupled_neo_hookean(kPunchMu_mpa, kPunchKappa_mpa)}},
       .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> prescribed;
   for (int axis = 0; axis < 3; ++axis)
@@ -225,7 +225,7 @@ Section verify_ironing(Extent extent, Progress& progress) {
       .text = fmt::format(
           "A rigid cylinder of {} mm lies across a soft block (nu = 0.475), is pressed in by {} mm "
           "and slides {} mm along without friction, with the smooth field and the contact term of "
-          "the product. Nodes come into contact in front and leave it behind: if normals jump, the "
+          "lefort. Nodes come into contact in front and leave it behind: if normals jump, the "
           "force jumps and Newton cycles. Over the middle of the path the force must be constant.",
           kPunchRadius_mm, kPressed_mm, kSlid_mm)};
   geometry::TriangleMesh cylinder = roller(kPunchRadius_mm, -2.0, kBlock_mm[1] + 2.0);

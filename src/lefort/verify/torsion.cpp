@@ -77,7 +77,7 @@ struct Twisted {
 
 Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
   CaseModel model{.mesh = round_column(shape, cells, 2 * cells, kColumnRadius_mm, kColumnLength_mm),
-                  .materials = {{0, split_neo_hookean(kColumnMu_mpa, kColumnKappa_mpa)}},
+                  .materials = {{0, decoupled_neo_hookean(kColumnMu_mpa, kColumnKappa_mpa)}},
                   .prescribed = {}};
   const auto bottom = nodes_where(model.mesh, [](const Vec3& p) { return p.z() < 1e-9; });
   const auto top =

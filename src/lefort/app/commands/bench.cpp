@@ -63,7 +63,7 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
                    "Subdivisions of each triangle edge: 11 gives 11.6 million triangles")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
-  command->add_flag("--without-openvdb", *without_peer, "Ours alone");
+  command->add_flag("--without-openvdb", *without_peer, "Measure the fields of lefort only");
   command->add_option("--repeats", options->repeats, "Builds; their median is reported")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -104,7 +104,7 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
   command->footer(
       "Example:\n  lefort bench convergence examples/midface_forward.json "
       "examples/midface_forward_down.json --ct ct.nrrd -o convergence/\n"
-      "Results: docs/theory/contact.md.");
+      "Results: docs/studies/contact-on-a-real-head.md.");
   command->callback([job, no_synthetic, &context] {
     job->synthetic = !*no_synthetic;
     context.run("bench convergence",
@@ -119,7 +119,9 @@ void add_landmarks(CLI::App& bench, CommandContext& context) {
   command->add_option("--heads", job->heads, "Number of heads of random shape")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
-  command->add_option("--seed", job->seed, "Of the first head; the others follow")
+  command
+      ->add_option("--seed", job->seed,
+                   "Seed of the first head; each further head has the next number")
       ->capture_default_str();
   command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm]")
       ->check(CLI::Range(0.4, 3.0))
@@ -173,10 +175,11 @@ void add_solve(CLI::App& bench, CommandContext& context) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   command
-      ->add_option("--comparison-cells", options->pair_cells, "Cells along a side of their block")
+      ->add_option("--comparison-cells", options->pair_cells,
+                   "Cells along a side of the block of the comparison with CalculiX")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--increments", options->increments, "Of the load")
+  command->add_option("--increments", options->increments, "Number of load increments")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command

@@ -16,7 +16,7 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
       ->add_option(
           "--parameters", job->parameters,
           "Parameters to fit: skin_ratio, poisson, elevation_margin_mm, interface_layer_mm "
-          "(the first two)")
+          "(default: the first two)")
       ->delimiter(',');
   command->add_flag(
       "--achieved", job->achieved_movements,
@@ -29,7 +29,9 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
   command->add_option("--voxel", job->voxel_mm, "Edge of a voxel of cases known as surfaces [mm]")
       ->check(CLI::Range(0.3, 5.0))
       ->capture_default_str();
-  command->add_option("--max-iterations", job->max_iterations, "Of each fit")
+  command
+      ->add_option("--max-iterations", job->max_iterations,
+                   "Maximum number of iterations of each fit")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->footer(

@@ -49,7 +49,7 @@ void add_build(CLI::App& field, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--relative-tolerance", job->options.relative_tolerance,
-                   "The same as a fraction of the cube's side, instead")
+                   "As --tolerance, but as a fraction of the side of the cube; replaces it")
       ->check(CLI::Range(0.0, 1.0));
   command
       ->add_option("--domain-size", job->options.side_mm,
@@ -114,7 +114,7 @@ void add_export(CLI::App& field, CommandContext& context) {
       ->capture_default_str();
   command->footer(
       "Beyond the band samples are +band outside and -band inside; unknown ones are inactive in\n"
-      ".vdb and NaN in .nrrd. Keys in the file say so (docs/reference/field-format.md).\n"
+      ".vdb and NaN in .nrrd. Keys of the file state this (docs/reference/field-format.md).\n"
       "Examples:\n"
       "  lefort field export skull.field -o skull.vdb\n"
       "  lefort field export skull.field -o skull.nrrd --stride 2\n"
@@ -141,7 +141,8 @@ void add_slice(CLI::App& field, CommandContext& context) {
       command->add_option("--width", job->width_px, "Pixels across the plane")
           ->check(CLI::Range(64, 12000))
           ->capture_default_str();
-  command->add_option("--stride", job->every, "Instead: pixels of n cells of the field")
+  command
+      ->add_option("--stride", job->every, "Instead of --width: one pixel per n cells of the field")
       ->check(CLI::Range(1, 2048))
       ->excludes(width);
   add_region(*command, job->region_mm);

@@ -30,7 +30,7 @@ void add_import_command(CLI::App& cli, CommandContext& context) {
       command->add_option("-o,--output", job->output, "Volume to write: .nrrd, .nii.gz or .mha");
   command
       ->add_option("--series", job->series,
-                   "Which series of a DICOM folder or study, as --list counts them")
+                   "Number of the series of a DICOM folder or study, as in --list; 0: the only CT")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   command->add_flag("--list", *list, "Show the series of a DICOM folder or study, write nothing")

@@ -50,12 +50,13 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
       {"shuffled", pipeline::PhantomVariant::kShuffled},
       {"oblique", pipeline::PhantomVariant::kOblique},
       {"feet-first", pipeline::PhantomVariant::kFeetFirst}};
-  command->add_option("--variant", job->variant, "How it is scanned (plain)")
+  command->add_option("--variant", job->variant, "How it is scanned; default: plain")
       ->transform(CLI::CheckedTransformer(variants).description(
           "{plain,tilted,shuffled,oblique,feet-first}"));
-  CLI::Option* const voxel =
-      command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm] (1.4; of a cohort: 2)")
-          ->check(CLI::Range(0.3, 5.0));
+  CLI::Option* const voxel = command
+                                 ->add_option("--voxel", job->voxel_mm,
+                                              "Edge of a voxel [mm]; default: 1.4, of a cohort 2")
+                                 ->check(CLI::Range(0.3, 5.0));
   command->add_option("--noise", job->noise_hu, "Standard deviation of the noise [HU]")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str();

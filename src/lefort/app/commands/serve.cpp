@@ -13,12 +13,12 @@ void add_serve_command(CLI::App& cli, CommandContext& context) {
       cli.add_subcommand("serve", "Plan in a browser: a local page over a case folder");
   command->add_option("case", job->folder, "The case's folder; made if missing")
       ->capture_default_str();
-  command->add_option("--port", job->port, "Port to listen at; 0 takes one that is free")
+  command->add_option("--port", job->port, "Port to listen on; 0 takes one that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command
       ->add_option("--host", job->host,
-                   "Address to listen at; any other than loopback "
+                   "Address to listen on; any other than loopback "
                    "is open to the network")
       ->capture_default_str();
   command->add_flag("--open", job->open, "Open the page in the default browser");

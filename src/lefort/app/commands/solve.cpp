@@ -18,8 +18,8 @@ void add_solve_command(CLI::App& cli, CommandContext& context) {
       "  lefort solve examples/solve/stretch.json -o stretch/\n"
       "  lefort solve examples/solve/indent.json -o indent/ --threads 2 --json\n"
       "Writes solve.pvd with a step_NNNN.vtu for each increment (ParaView: Warp By Vector),\n"
-      "probes.csv and solve.json. A run that ends early keeps its last converged step, names the\n"
-      "series solve_incomplete.pvd and says so in solve.json. Decks: docs/guide/solve.md.\n"
+      "probes.csv and solve.json. A run that ends early keeps its last converged step; its\n"
+      "series is solve_incomplete.pvd, and solve.json reports it. Decks: docs/guide/solve.md.\n"
       "Not for clinical use.");
   command->callback([job, &context] {
     job->quiet = context.quiet;

@@ -18,7 +18,7 @@ void add_verify_command(CLI::App& cli, CommandContext& context) {
   std::vector<std::string> names;
   for (const verify::Case& one : verify::all_cases()) names.emplace_back(one.name);
   command->add_option("--only", job->only, "Only this case")->check(CLI::IsMember(names));
-  command->footer("Example:\n  lefort verify --full -o docs");
+  command->footer("Example:\n  lefort verify --full -o docs/studies");
   command->callback([job, &context] {
     bool passed = true;
     context.run("verify", [&](Progress& progress) -> Result<pipeline::Summary> {

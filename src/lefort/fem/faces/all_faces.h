@@ -6,7 +6,7 @@
 ///     std::visit([&]<class Shape>(const Shape&) {
 ///       const FaceNodes<Shape> x = face_nodes<Shape>(face, x_L);
 ///       for (const auto& point : Shape::quadrature()) {
-///         const Vec3 area = area_mm2(tangents<Shape>(x, point), point.weight);
+///         const Vec3 area = area_vector_mm2(tangents<Shape>(x, point), point.weight);
 ///         for (int a = 0; a < Shape::kNodes; ++a) force.col(a) += -pressure * point.N[a] * area;
 ///       }
 ///     }, face_of(face.shape));
@@ -54,7 +54,8 @@ template <class Shape>
 /// \param tangents  of a point.
 /// \param weight    of the point.
 /// \returns the outward area vector of the point [mm^2].
-[[nodiscard]] inline Vec3 area_mm2(const Eigen::Matrix<double, 3, 2>& tangents, double weight) {
+[[nodiscard]] inline Vec3 area_vector_mm2(const Eigen::Matrix<double, 3, 2>& tangents,
+                                          double weight) {
   return weight * tangents.col(0).cross(tangents.col(1));
 }
 

@@ -31,7 +31,7 @@ void add_traction(const mesh::Face& face, std::span<const Vec3> nodes_L, const V
                   ForceOfNode& forces) {
   const FaceNodes<Shape> X = face_nodes<Shape>(face, nodes_L);
   for (const auto& point : Shape::quadrature()) {
-    const double dA = area_mm2(tangents<Shape>(X, point), point.weight).norm();
+    const double dA = area_vector_mm2(tangents<Shape>(X, point), point.weight).norm();
     for (int a = 0; a < Shape::kNodes; ++a)
       add(forces, face.nodes[std::size_t(a)], point.N[a] * dA * traction_mpa);
   }

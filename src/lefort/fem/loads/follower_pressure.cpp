@@ -64,7 +64,7 @@ std::vector<FaceEdge> edges_of(const mesh::Face& face) {
   return edges;
 }
 
-/// \returns the nodes of edges with one face, ascending, each once.
+/// \returns the nodes of edges that do not have exactly two faces, ascending, each once.
 std::vector<std::int32_t> border_nodes(std::span<const mesh::Face> faces) {
   std::map<FaceEdge, int> uses;
   for (const mesh::Face& face : faces)

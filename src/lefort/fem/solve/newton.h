@@ -75,7 +75,7 @@ struct NewtonOptions {
   VectorX round_off_n = {};
   /// Whether round_off_n may accept a start with any |r|. Set to false if a load acts: round_off_n
   /// then accepts only a start with a small |r| (kMaxRoundOffFraction).
-  bool may_start_at_rest = true;
+  bool may_accept_start_by_round_off = true;
   int max_iterations = 30;  ///< Max number of steps; >= 1.
   int max_backtracks = 20;  ///< Max number of contractions, or expansions, of one step; >= 0.
   /// c of the Armijo condition, in (0, 0.5); the value is that of \cite nocedal2006, section 3.1.

@@ -20,7 +20,7 @@ bool is_round_off(const NewtonState& at, const NewtonOptions& options) {
 bool is_converged(const NewtonState& at, int iterations, const NewtonOptions& options) {
   if (at.residual_n <= tolerance_n(at, options)) return true;
   const bool may_be_round_off =
-      options.may_start_at_rest || iterations > 0 ||
+      options.may_accept_start_by_round_off || iterations > 0 ||
       at.residual_n <= kMaxRoundOffFraction * at.residual_state.residual_reference_n;
   return may_be_round_off && is_round_off(at, options);
 }

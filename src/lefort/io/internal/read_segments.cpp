@@ -83,13 +83,15 @@ Result<plan::CutPlane> read_plane_file(const Json& json, const std::string& key,
   if (!markup.plane)
     return bad(key, fmt::format("the plane in {} has no center and normal; save it with Slicer 5",
                                 file.string()));
-  const MarkupPlane& reported = *markup.plane;
-  plan::CutPlane plane{reported.center_L,
-                       json.value("flip", false) ? Vec3(-reported.normal_L) : reported.normal_L};
+  const MarkupPlane& plane_in_file = *markup.plane;
+  plan::CutPlane plane{plane_in_file.center_L, json.value("flip", false)
+                                                   ? Vec3(-plane_in_file.normal_L)
+                                                   : plane_in_file.normal_L};
   if (!json.value("bounded", false)) return plane;
-  if (!(reported.width_mm > 0.0 && reported.height_mm > 0.0))
+  if (!(plane_in_file.width_mm > 0.0 && plane_in_file.height_mm > 0.0))
     return bad(key, fmt::format("the plane in {} has no size to bound it", file.string()));
-  plane.bounds = plan::PlaneBounds{reported.across_L, reported.width_mm, reported.height_mm};
+  plane.bounds =
+      plan::PlaneBounds{plane_in_file.across_L, plane_in_file.width_mm, plane_in_file.height_mm};
   return plane;
 }
 

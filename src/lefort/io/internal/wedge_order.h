@@ -18,7 +18,7 @@ namespace lefort::io::internal {
 
 /// Index of each node of a wedge6 (the first six) or wedge15 in the other numbering.
 inline constexpr std::array<std::uint8_t, 15> kOtherWedgeOrder{0, 2,  1,  3, 5,  4,  8, 7,
-                                                           6, 11, 10, 9, 12, 14, 13};
+                                                               6, 11, 10, 9, 12, 14, 13};
 
 /// Renumbers every wedge of a block whose nodes 0, 1, 2 are counter-clockwise as seen from inside.
 /// The volume of a wedge is positive with one numbering only.

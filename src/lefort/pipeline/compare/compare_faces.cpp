@@ -4,9 +4,9 @@
 #include <lefort/compare/surface_difference.h>
 #include <lefort/core/version.h>
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
-#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
@@ -80,6 +80,8 @@ Result<Inputs> find_inputs(const CompareJob& job) {
   if (!job.other && !job.after_ct)
     return fail(ErrorCode::kInvalidArgument,
                 "nothing to compare with: name another face, or a scan by --after-ct");
+  if (job.other && job.after_ct)
+    return fail(ErrorCode::kInvalidArgument, "name either another face or a scan, not both");
   if (job.after_ct && !is_folder(job.face))
     return fail(
         ErrorCode::kInvalidArgument,

@@ -22,9 +22,8 @@ struct Timing {
 
 /// \param prediction  with the steps that converged.
 /// \param skin        of the last step; zero if the path did not converge.
-[[nodiscard]] nlohmann::ordered_json prediction_json(const PreparedCase& prepared,
-                                                     const predict::FacePrediction& prediction,
-                                                     const predict::SkinDisplacementStatistics& skin,
-                                                     const Timing& timing);
+[[nodiscard]] nlohmann::ordered_json prediction_json(
+    const PreparedCase& prepared, const predict::FacePrediction& prediction,
+    const predict::SkinDisplacementStatistics& skin, const Timing& timing);
 
 }  // namespace lefort::pipeline

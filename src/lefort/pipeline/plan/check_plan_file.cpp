@@ -2,9 +2,9 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/deprecated_keys.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
-#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/sha256.h>

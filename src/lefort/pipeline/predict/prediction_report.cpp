@@ -345,7 +345,8 @@ std::vector<std::string> limitations_of(const PreparedCase& prepared) {
 report::CaseReport prediction_report(const PreparedCase& prepared,
                                      const predict::FacePrediction& prediction,
                                      std::span<const PredictionPicture> pictures,
-                                     const predict::SkinDisplacementStatistics& skin, const Timing& timing) {
+                                     const predict::SkinDisplacementStatistics& skin,
+                                     const Timing& timing) {
   report::CaseReport report;
   report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
   report.subtitle = "Simulated soft-tissue response to a planned bone movement";

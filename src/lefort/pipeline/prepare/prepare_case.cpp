@@ -52,9 +52,9 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
 }
 
 Result<std::vector<predict::ContactBone>> find_segments(const plan::CutSegments& cut,
-                                                         const io::PlanFile& plan,
-                                                         const StageCache& cache,
-                                                         Progress& progress) {
+                                                        const io::PlanFile& plan,
+                                                        const StageCache& cache,
+                                                        Progress& progress) {
   std::vector<predict::ContactBone> segments;
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) {
     LEFORT_TRY(auto field, find_field("segment", segment_L, contact_field_options(plan, segment_L),

@@ -23,7 +23,7 @@ namespace lefort::pipeline {
 /// \param inputs  files that are read.
 /// \returns nothing, or kFileUnwritable with the name of the file.
 [[nodiscard]] Result<void> check_inputs_are_kept(const std::filesystem::path& folder,
-                                        std::span<const std::filesystem::path> inputs);
+                                                 std::span<const std::filesystem::path> inputs);
 
 /// Removes the results of an earlier run, solve.json first.
 ///

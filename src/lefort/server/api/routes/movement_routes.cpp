@@ -65,7 +65,8 @@ Response post_poses(ServedCase& served, const Request& request, const PathValues
     segments += fmt::format("{}{}={}", segments.empty() ? "" : ",", name, vertices);
   reply.headers.emplace_back("X-Lefort-Segments", segments);
   reply.headers.emplace_back("X-Lefort-Deepest-Mm", fmt::format("{:.3f}", depths->deepest_mm));
-  reply.headers.emplace_back("X-Lefort-Depth-Is-Lower-Bound", depths->depth_is_lower_bound ? "1" : "0");
+  reply.headers.emplace_back("X-Lefort-Depth-Is-Lower-Bound",
+                             depths->depth_is_lower_bound ? "1" : "0");
   return reply;
 }
 

@@ -12,7 +12,7 @@ namespace lefort::contact {
 /// these nodes there, so that a face between an active and a free node counts in part, and no area
 /// twice.
 void WeightedContactTerm::add_faces(std::span<const Vec3> x_L,
-                                  std::vector<ContactStatisticsSum>& sums) const {
+                                    std::vector<ContactStatisticsSum>& sums) const {
   const ActiveSet active = active_set(x_L);
   std::vector<double> pressures_mpa(x_L.size(), 0.0);
   for (std::size_t p = 0; p < patches_.size(); ++p)
