@@ -691,7 +691,7 @@ export interface components {
             fraction: number;
             /** @description Its last 200 messages. */
             lines: string[];
-            /** @description Outcome in one sentence; empty before the end. */
+            /** @description Outcome; empty before the end. It may have several lines. */
             message: string;
             /** @description Summary as in --json of the command line; null before the end. */
             result: Record<string, never> | null;
