@@ -23,13 +23,13 @@ constexpr int kMaxCells = 64;
 constexpr int kDirections = 4;  ///< Tangents +-t that are tried, 45 degrees apart.
 
 bool is_sharp(const BonePoint& at, const DistanceQuery& distance_query_B, double h_mm) {
-  const Vec3 t1 = at.normal_B.unitOrthogonal(), t2 = at.normal_B.cross(t1);
+  const Vec3 t1 = at.normal.unitOrthogonal(), t2 = at.normal.cross(t1);
   std::array<Vec3, 2 * kDirections> around;
   for (int n = 0; n < kDirections; ++n) {
     const double angle = std::numbers::pi * n / kDirections;
     const Vec3 r = 0.5 * h_mm * (std::cos(angle) * t1 + std::sin(angle) * t2);
-    around[std::size_t(2 * n)] = at.p_B + r;
-    around[std::size_t(2 * n + 1)] = at.p_B - r;
+    around[std::size_t(2 * n)] = at.p + r;
+    around[std::size_t(2 * n + 1)] = at.p - r;
   }
   std::array<SignedDistanceSample, 2 * kDirections> samples;
   distance_query_B.measure(around, Derivatives::kFirst, samples);
@@ -84,7 +84,7 @@ std::vector<BonePoint> vertices_of(const geometry::TriangleMesh& bone_B) {
 BonePoints::BonePoints(std::vector<BonePoint> points, double spacing_mm) : spacing_mm_(spacing_mm) {
   LEFORT_CHECK(spacing_mm > 0.0);
   if (points.empty()) return;
-  for (const BonePoint& at : points) box_B_.extend(at.p_B);
+  for (const BonePoint& at : points) box_B_.extend(at.p);
   cell_mm_ = std::max(box_B_.sizes().maxCoeff() / kMaxCells, spacing_mm);
   cells_ = (box_B_.sizes().array() / cell_mm_).floor().cast<int>() + 1;
   const auto cell_number = [&](const Vec3& p_B) {
@@ -92,11 +92,11 @@ BonePoints::BonePoints(std::vector<BonePoint> points, double spacing_mm) : spaci
     return number_of(c.x(), c.y(), c.z());
   };
   std::stable_sort(points.begin(), points.end(), [&](const BonePoint& a, const BonePoint& b) {
-    return cell_number(a.p_B) < cell_number(b.p_B);
+    return cell_number(a.p) < cell_number(b.p);
   });
   for (const BonePoint& at : points) {
-    points_B_.push_back(at.p_B);
-    normals_B_.push_back(at.normal_B);
+    points_B_.push_back(at.p);
+    normals_B_.push_back(at.normal);
   }
   first_.assign(std::size_t(cells_.prod()) + 1, points_B_.size());
   for (std::size_t n = points_B_.size(), cell = first_.size() - 1; cell-- > 0;) {

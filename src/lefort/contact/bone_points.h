@@ -21,10 +21,10 @@
 
 namespace lefort::contact {
 
-/// A point on the surface of a bone.
+/// A point on the surface of a bone, in B or L.
 struct BonePoint {
-  Vec3 p_B;
-  Vec3 normal_B;  ///< Outward, unit length; at edges and vertices the mean of the faces.
+  Vec3 p;
+  Vec3 normal;  ///< Outward, unit length; at edges and vertices the mean of the faces.
 };
 
 /// Points on the surface of a bone, with their search structure. Immutable.

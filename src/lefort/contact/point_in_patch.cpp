@@ -228,7 +228,7 @@ std::vector<PatchTriangle> triangles_of(const NodePatch& patch, std::span<const 
 std::optional<PointDepth> point_depth(const NodePatch& patch,
                                       std::span<const PatchTriangle> triangles, const BonePoint& v,
                                       double max_depth_mm, bool wants_hessian) {
-  const Vec3& v_L = v.p_L;
+  const Vec3& v_L = v.p;
   geometry::TrianglePoint closest{.point = v_L,
                                   .squared_distance_mm2 = max_depth_mm * max_depth_mm,
                                   .feature = geometry::Feature::kFace};
@@ -258,7 +258,7 @@ std::optional<PointDepth> point_depth(const NodePatch& patch,
   const int key_a = corners.keys[std::size_t(of.at[0])];
   const int key_b = corners.keys[std::size_t(of.at[std::size_t(of.count - 1)])];
   const Vec3 outward = of.count == 3 ? corners.normal() : pseudonormal(triangles, key_a, key_b);
-  if (!(outward.dot(r) < 0.0) || !(outward.dot(v.normal_L) < 0.0)) return std::nullopt;
+  if (!(outward.dot(r) < 0.0) || !(outward.dot(v.normal) < 0.0)) return std::nullopt;
   set_fade(corners, of, N, shape_gradients(corners, of, N, r), depth);
   if (!(depth.fade > 0.0)) return std::nullopt;
 
