@@ -50,7 +50,7 @@ struct OsteotomyResult {
 ///   - kMeshingFailed    the surface crosses itself along the cut, or volumes do not add up;
 ///   - kCancelled        `progress` requested a stop.
 /// \note segment + remainder + kerf equal the volume of the skull within 0.1 % of the skull and
-///   within 1 % of the smallest of these three.
+///   within 1 % of the smallest of these three that is not empty.
 [[nodiscard]] Result<OsteotomyResult> perform_osteotomy(const geometry::TriangleMesh& skull_L,
                                                         const Osteotomy& osteotomy,
                                                         const OsteotomyOptions& options = {},

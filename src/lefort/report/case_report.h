@@ -1,5 +1,5 @@
 /// \file
-/// The content of a report, of a prediction or of a cohort. Texts are plain UTF-8; report_html()
+/// The content of a report on a prediction or on a cohort. Texts are plain UTF-8; report_html()
 /// escapes them.
 #pragma once
 

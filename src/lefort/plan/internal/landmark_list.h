@@ -23,7 +23,8 @@ struct ScanEnds {
 
 [[nodiscard]] ScanEnds find_scan_ends(const HeadSurfaces& head);
 
-/// Landmarks in the frame F.
+/// The landmarks found so far, and the missing ones. add() and at() use the frame F; found()
+/// returns positions in L.
 class LandmarkList {
  public:
   LandmarkList(const RigidTransform& X_FL, const ScanEnds& ends, double voxel_mm)
