@@ -50,10 +50,11 @@ struct PointDepth {
 
 /// A triangle of the division of a patch.
 struct PatchTriangle {
-  std::array<Vec3, 3> x_L;    ///< Corners [mm].
-  std::array<int, 3> keys{};  ///< Of each corner: place in NodePatch::nodes; -1 - face at a center.
-  std::uint8_t face = 0;      ///< Index in NodePatch::faces.
-  std::uint8_t number = 0;    ///< In the division of the face.
+  std::array<Vec3, 3> x_L;  ///< Corners [mm].
+  std::array<int, 3>
+      keys{};  ///< Of each corner: its place in NodePatch::nodes; at the center of face f: -(f + 1).
+  std::uint8_t face = 0;                 ///< Index in NodePatch::faces.
+  std::uint8_t number = 0;               ///< In the division of the face.
   std::array<bool, 3> border_corners{};  ///< Whether a corner lies on the border.
   std::array<bool, 3> border_edges{};    ///< Whether the edge from a corner to the next does.
 
@@ -75,7 +76,7 @@ inline constexpr double kFadeWidth = 0.4;
 
 /// \param patch          the patch.
 /// \param triangles      triangles_of() the patch.
-/// \param v              the point and the outward normal of its bone, here in frame L.
+/// \param v              the point and the outward normal of its bone, in frame L.
 /// \param max_depth_mm   max depth.
 /// \param wants_hessian  whether hessian_L and positive_L are computed.
 /// \returns the depth; nothing

@@ -142,7 +142,8 @@ struct ContactOptions {
 struct SolverOptions {
   double relative_tolerance = 1e-6;  ///< Of the residual, relative to the residual reference.
   int max_iterations = 120;          ///< Of Newton; tissue sliding off convex bone has taken 68.
-  double min_increment_ratio = 1.0 / 64.0;  ///< Min over first increment; failed ones are halved.
+  double min_increment_ratio =
+      1.0 / 64.0;  ///< Smallest increment divided by the first; failed ones are halved.
 };
 
 }  // namespace lefort::predict

@@ -6,7 +6,7 @@
 #include <lefort/fem/elements/reference_element.h>
 #include <lefort/fem/locking/averaged_nodal_pressure.h>
 #include <lefort/fem/locking/dilatation_modes.h>
-#include <lefort/fem/locking/elements_with_interior_nodes.h>
+#include <lefort/fem/locking/elements_in_thick_parts.h>
 #include <lefort/fem/locking/smoothed_strain_term.h>
 #include <lefort/fem/locking/smoothing_domains.h>
 #include <lefort/fem/materials/material_response.h>
@@ -27,7 +27,7 @@ struct Averages {
   std::vector<AveragedNodalPressure::State> of_patch;
   std::unique_ptr<SmoothedStrainTerm> strain;  ///< May be null.
   std::vector<SmoothedStrainTerm::State> of_group;
-  std::vector<char> has_interior_node;  ///< elements_with_interior_nodes().
+  std::vector<char> is_in_thick_part;  ///< elements_in_thick_parts().
 };
 
 template <class Term>
@@ -46,7 +46,7 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
                     .of_patch = {},
                     .strain = SmoothedStrainTerm::build(mesh, materials),
                     .of_group = {},
-                    .has_interior_node = elements_with_interior_nodes(mesh)};
+                    .is_in_thick_part = elements_in_thick_parts(mesh)};
   averages.of_patch = states_of(averages.volume.get(), x_L);
   averages.of_group = states_of(averages.strain.get(), x_L);
   return averages;
@@ -70,11 +70,11 @@ VolumetricContribution<Element> volumetric_contribution(
     const Eigen::Matrix<double, Element::kPoints, 1>& change, const Averages& averages,
     Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
-    bool has_interior_node = false;
+    bool is_in_thick_part = false;
     if constexpr (kHasPointwiseBulk<Element>)
-      has_interior_node = averages.has_interior_node[std::size_t(number)] != 0;
+      is_in_thick_part = averages.is_in_thick_part[std::size_t(number)] != 0;
     const auto response =
-        volume_response<Element>(split_volumetric<Element>(material, has_interior_node), points,
+        volume_response<Element>(split_volumetric<Element>(material, is_in_thick_part), points,
                                  dilatation_modes<Element>(X, points), change);
     if (!response) return {VolumetricContribution<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};

@@ -3,7 +3,7 @@
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/locking/averaged_nodal_pressure.h>
-#include <lefort/fem/locking/elements_with_interior_nodes.h>
+#include <lefort/fem/locking/elements_in_thick_parts.h>
 #include <lefort/fem/locking/mean_dilatation_term.h>
 #include <lefort/fem/locking/smoothed_strain_term.h>
 #include <lefort/fem/locking/smoothing_domains.h>
@@ -92,7 +92,7 @@ template <class Element>
 Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                              BlockMaterials materials, Index first_number,
                              VolumetricIntegration volumetric_integration,
-                             std::span<const char> has_interior_node) {
+                             std::span<const char> is_in_thick_part) {
   LEFORT_CHECK(block.shape == Element::kShape);
   const bool averages = volumetric_integration == VolumetricIntegration::kMeanDilatation &&
                         std::ranges::any_of(materials.laws, [](const Material& law) {
@@ -122,7 +122,7 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
   if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
   if constexpr (kModes > 0) {
     return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes),
-                                                               has_interior_node);
+                                                               is_in_thick_part);
   } else {
     constexpr double kFraction =
         kSmoothingDomains < Element >> 0 ? kElementStabilizationFraction : 1.0;
@@ -134,11 +134,11 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                               BlockMaterials materials, Index first_number,
                               VolumetricIntegration volumetric_integration,
-                              std::span<const char> has_interior_node) {
+                              std::span<const char> is_in_thick_part) {
   return std::visit(
       [&]<class Element>(const Element&) {
         return element_term<Element>(mesh, block, std::move(materials), first_number,
-                                     volumetric_integration, has_interior_node);
+                                     volumetric_integration, is_in_thick_part);
       },
       element_of(block.shape));
 }
@@ -150,7 +150,7 @@ Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
                                                 VolumetricIntegration volumetric_integration) {
   for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
   const std::vector<char> inside = volumetric_integration == VolumetricIntegration::kMeanDilatation
-                                       ? elements_with_interior_nodes(mesh)
+                                       ? elements_in_thick_parts(mesh)
                                        : std::vector<char>();
   std::vector<TermPtr> terms;
   Index first_number = 0;

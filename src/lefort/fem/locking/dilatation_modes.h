@@ -41,7 +41,7 @@ template <class Element>
 /// Bulk modulus of the part of U that stays at the points, as a multiple of the shear modulus.
 /// docs/studies/locking-remedies.md compares values.
 struct PointwiseBulkFactor {
-  /// In parts of the body more than one layer thick (elements_with_interior_nodes.h).
+  /// In parts of the body more than one layer thick (elements_in_thick_parts.h).
   double interior = 0.0;
   /// In a single layer, whose averages do not resist bending.
   double single_layer = 0.0;
@@ -79,15 +79,16 @@ struct VolumetricSplit {
   return split;
 }
 
-/// \param has_interior_node  elements_with_interior_nodes() of the element.
+/// \param is_in_thick_part  whether the element or one that shares a corner with it has an
+///   interior corner (elements_in_thick_parts()).
 /// \returns the two parts for an element with modes; zero if the law is not decoupled.
 template <class Element>
-[[nodiscard]] VolumetricSplit split_volumetric(const Material& material, bool has_interior_node) {
+[[nodiscard]] VolumetricSplit split_volumetric(const Material& material, bool is_in_thick_part) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return {};
   constexpr PointwiseBulkFactor kBulk = kPointwiseBulkFactor<Element>;
   return split_volumetric(*volume, shear_modulus_at_rest(material),
-                          has_interior_node ? kBulk.interior : kBulk.single_layer);
+                          is_in_thick_part ? kBulk.interior : kBulk.single_layer);
 }
 
 /// \returns the law without the volumetric part of the nodal averages; it is evaluated at the F of

@@ -26,16 +26,16 @@ class MeanDilatationTerm final : public ForceTerm {
  public:
   /// \param data               the elements.
   /// \param modes              one per element.
-  /// \param has_interior_node  elements_with_interior_nodes() of these elements; may be empty if
+  /// \param is_in_thick_part  elements_in_thick_parts() of these elements; may be empty if
   ///   the shape does not need it.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
-                     std::span<const char> has_interior_node)
+                     std::span<const char> is_in_thick_part)
       : data_(std::move(data)), modes_(std::move(modes)) {
     volumes_.reserve(modes_.size());
     for (Index e = 0; e < data_.count(); ++e)
       volumes_.push_back(split_volumetric<Element>(
           data_.material_of(e),
-          !has_interior_node.empty() && has_interior_node[std::size_t(e)] != 0));
+          !is_in_thick_part.empty() && is_in_thick_part[std::size_t(e)] != 0));
   }
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }

@@ -1,4 +1,4 @@
-#include <lefort/fem/locking/elements_with_interior_nodes.h>
+#include <lefort/fem/locking/elements_in_thick_parts.h>
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 
 #include "support/box_mesh.h"
 
-namespace lefort::fem::test_elements_with_interior_nodes {
+namespace lefort::fem::test_elements_in_thick_parts {
 namespace {
 
 using mesh::ElementShape;
 
 auto count_of(const mesh::VolumeMesh& mesh) {
-  const std::vector<char> flags = elements_with_interior_nodes(mesh);
+  const std::vector<char> flags = elements_in_thick_parts(mesh);
   EXPECT_EQ(Index(flags.size()), mesh.element_count());
   return std::ranges::count(flags, 1);
 }
@@ -44,7 +44,7 @@ TEST(ElementsWithInteriorNodes, AThinPartOfAThickBodyIsALayer) {
     at_x_mm.push_back(middle.x());
   }
   block = std::move(kept);
-  const std::vector<char> flags = elements_with_interior_nodes(body);
+  const std::vector<char> flags = elements_in_thick_parts(body);
   ASSERT_EQ(flags.size(), at_x_mm.size());
   for (std::size_t e = 0; e < flags.size(); ++e) {
     // Elements of the row next to the block share corners with elements that have interior nodes.
@@ -63,7 +63,7 @@ TEST(ElementsWithInteriorNodes, BlocksAreNumberedThrough) {
   both.nodes_L.insert(both.nodes_L.end(), layer.nodes_L.begin(), layer.nodes_L.end());
   both.blocks.push_back(layer.blocks.front());
   for (std::int32_t& node : both.blocks.back().nodes) node += first_node;
-  const std::vector<char> flags = elements_with_interior_nodes(both);
+  const std::vector<char> flags = elements_in_thick_parts(both);
   ASSERT_EQ(Index(flags.size()), both.element_count());
   const auto end_of_first = flags.begin() + both.blocks.front().element_count();
   EXPECT_EQ(std::count(flags.begin(), end_of_first, 1), both.blocks.front().element_count());
@@ -71,8 +71,8 @@ TEST(ElementsWithInteriorNodes, BlocksAreNumberedThrough) {
 }
 
 TEST(ElementsWithInteriorNodes, IsEmptyIfNoShapeNeedsIt) {
-  EXPECT_TRUE(elements_with_interior_nodes(test::box_mesh({.cells = {2, 2, 2}})).empty());
+  EXPECT_TRUE(elements_in_thick_parts(test::box_mesh({.cells = {2, 2, 2}})).empty());
 }
 
 }  // namespace
-}  // namespace lefort::fem::test_elements_with_interior_nodes
+}  // namespace lefort::fem::test_elements_in_thick_parts

@@ -14,6 +14,6 @@ namespace lefort::fem {
 /// \param mesh  \pre the nodes of its blocks exist.
 /// \returns one flag per element, through the blocks; empty if no shape in the mesh needs the flags
 ///   (kHasPointwiseBulk).
-[[nodiscard]] std::vector<char> elements_with_interior_nodes(const mesh::VolumeMesh& mesh);
+[[nodiscard]] std::vector<char> elements_in_thick_parts(const mesh::VolumeMesh& mesh);
 
 }  // namespace lefort::fem

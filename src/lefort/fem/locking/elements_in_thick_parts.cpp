@@ -1,6 +1,6 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/locking/dilatation_modes.h>
-#include <lefort/fem/locking/elements_with_interior_nodes.h>
+#include <lefort/fem/locking/elements_in_thick_parts.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/element_faces.h>
 
@@ -45,7 +45,7 @@ bool needs_flags(const mesh::ElementBlock& block) {
 
 }  // namespace
 
-std::vector<char> elements_with_interior_nodes(const mesh::VolumeMesh& mesh) {
+std::vector<char> elements_in_thick_parts(const mesh::VolumeMesh& mesh) {
   if (!std::ranges::any_of(mesh.blocks, needs_flags)) return {};
   NodeFlags is_interior(mesh.nodes_L.size(), 1);
   for (const std::int32_t node : mesh::nodes_of_faces(mesh::boundary_faces(mesh)))
