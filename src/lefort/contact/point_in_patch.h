@@ -51,8 +51,8 @@ struct PointDepth {
 /// A triangle of the division of a patch.
 struct PatchTriangle {
   std::array<Vec3, 3> x_L;  ///< Corners [mm].
-  std::array<int, 3>
-      keys{};  ///< Of each corner: its place in NodePatch::nodes; at the center of face f: -(f + 1).
+  /// Of each corner: its place in NodePatch::nodes; at the center of face f: -(f + 1).
+  std::array<int, 3> keys{};
   std::uint8_t face = 0;                 ///< Index in NodePatch::faces.
   std::uint8_t number = 0;               ///< In the division of the face.
   std::array<bool, 3> border_corners{};  ///< Whether a corner lies on the border.

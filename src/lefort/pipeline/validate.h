@@ -20,7 +20,8 @@ struct ValidateJob {
   /// Movements found in the bone after surgery, instead of those of the plans.
   bool achieved_movements = false;
   std::optional<double> element_size_mm{};  ///< Instead of the plans'; > 0.
-  double voxel_mm = 1.0;                    ///< Of scans made of cases with surfaces only; > 0.
+  /// Voxel edge of the scan that is computed for a case that has only surfaces; > 0.
+  double voxel_mm = 1.0;
   bool pictures = true;
 };
 

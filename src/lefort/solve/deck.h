@@ -102,7 +102,7 @@ struct Obstacle {
   geometry::RigidPath path;  ///< One keyframe without motion if stationary.
   /// Penalty stiffness k_c; default: stiffness_factor times Young's modulus of the stiffest region
   /// behind the faces, divided by the mean edge length of the faces. Default with weighted gaps:
-  /// contact::mortar_stiffness_mpa_per_mm().
+  /// contact::weighted_stiffness_mpa_per_mm().
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
   /// Contact snap distance: points of faces within this distance at rest count as being in contact.
@@ -110,7 +110,7 @@ struct Obstacle {
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm; with weighted gaps the tolerance of
-  /// contact::mortar_stiffness_mpa_per_mm(), by default contact::kMortarTolerance_mm.
+  /// contact::weighted_stiffness_mpa_per_mm(), by default contact::kWeightedTolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 

@@ -21,8 +21,9 @@ struct Known {
   std::string order_reason = "";
   double allowance = 0.0;  ///< Uncertainty of `value`, >= 0.
   std::string allowance_reason = "";
-  std::string known_failure =
-      "";  ///< Why the checks of order and difference are known to fail, or empty; not applied to the check of the spread.
+  /// Why the checks of order and difference are known to fail, or empty; not applied to the check
+  /// of the spread.
+  std::string known_failure = "";
 };
 
 /// Adds two checks: "NAME: order" and "NAME: difference over the predicted one". If the values

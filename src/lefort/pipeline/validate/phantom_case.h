@@ -36,8 +36,9 @@ struct PhantomCase {
 inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
 
 /// Draws the size of the head (0.95 to 1.05 along each axis) and the movement: in turn a setback of
-/// the mandible with autorotation, an advancement of the mandible, an advancement of the mid-face,
-/// and both jaws.
+/// the mandible, an advancement of the mandible, an advancement of the mid-face, and a setback of
+/// the mandible with an advancement of the mid-face. Every moved mandible also rotates about its
+/// condyles, by up to 2 degrees.
 ///
 /// \param job      voxel and element size, seed.
 /// \param number   of the case, from 0.
@@ -54,9 +55,10 @@ inline constexpr double kSkinNoiseLength_mm = 10.0;
 
 /// A continuous random field: at each place a number with the standard normal distribution,
 /// independent of numbers more than two kSkinNoiseLength_mm away along an axis. It is a trilinear
-/// interpolation of independent numbers on a lattice, divided by its standard deviation. Noise that
-/// is independent at each vertex would be largest at the vertices: a fit to the closest points of
-/// such a surface moves off the vertices and is biased.
+/// interpolation of independent numbers on a lattice, divided by its standard deviation. With
+/// noise that is independent at each vertex, vertices would be peaks, because noise is averaged
+/// inside a triangle. Closest points would then lie mostly between the peaks, and a fit to them
+/// would be biased.
 ///
 /// \param point_mm  finite.
 /// \param seed      of the field.
