@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <span>
 #include <utility>
 
 namespace lefort::predict {
@@ -92,12 +93,28 @@ std::array<SupportSpring, 4> springs_of(const contact::NodalSupport& support) {
            {n.cross(tangent), support.tangential_mpa_per_mm, true}}};
 }
 
+/// Turns supports that follow the surface of a bone to its direction out of the bone.
+Result<void> turn_to_bone(const MovedSegment& bone, std::span<const Vec3> nodes_L,
+                          std::vector<contact::NodalSupport>& supports) {
+  if (std::ranges::none_of(supports, &contact::NodalSupport::follows_surface)) return {};
+  LEFORT_TRY(const auto distance_query_B,
+             contact::field_distance_query(bone.field_B, contact::DetectionMethod::kTrilinear));
+  for (contact::NodalSupport& one : supports) {
+    if (!one.follows_surface) continue;
+    const Vec3 gradient_L = contact::measure_gap({distance_query_B}, nodes_L[std::size_t(one.node)],
+                                                 contact::Derivatives::kFirst)
+                                .gradient_L;
+    if (gradient_L.norm() >= kMinGradient) one.normal_B = gradient_L.normalized();
+  }
+  return {};
+}
+
 /// Adds the elastic supports of the interface map.
-void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
-                            const BoundaryOptions& boundary,
-                            const std::vector<std::int32_t>& first_row,
-                            std::vector<PreviewModel::Support>& supports) {
-  const InterfaceSupports all =
+Result<void> add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
+                                    const BoundaryOptions& boundary,
+                                    const std::vector<std::int32_t>& first_row,
+                                    std::vector<PreviewModel::Support>& supports) {
+  InterfaceSupports all =
       interface_supports(model.tissue, model.interface, model.segments.size(), tissue, boundary);
   const auto add = [&](const std::vector<contact::NodalSupport>& list, std::int32_t segment) {
     for (const contact::NodalSupport& one : list) {
@@ -114,9 +131,15 @@ void add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
                               .motion_fraction = one.motion_fraction});
     }
   };
-  for (std::size_t k = 0; k < all.on_segments.size(); ++k) add(all.on_segments[k], std::int32_t(k));
+  for (std::size_t k = 0; k < all.on_segments.size(); ++k) {
+    LEFORT_TRY_VOID(turn_to_bone(model.segments[k], model.tissue.nodes_L, all.on_segments[k]));
+    add(all.on_segments[k], std::int32_t(k));
+  }
+  if (model.stationary_bone)
+    LEFORT_TRY_VOID(turn_to_bone(*model.stationary_bone, model.tissue.nodes_L, all.on_stationary));
   add(all.on_stationary, -1);
   add(all.on_planes, -1);
+  return {};
 }
 
 }  // namespace
@@ -154,7 +177,8 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
     sum += diagonal.segment<3>(support.row).mean();
   if (!preview.supports.empty())
     preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
-  add_interface_supports(model, options, boundary, preview.first_row, preview.supports);
+  LEFORT_TRY_VOID(
+      add_interface_supports(model, options, boundary, preview.first_row, preview.supports));
   if (std::none_of(preview.supports.begin(), preview.supports.end(), [](const auto& support) {
         return support.segment >= 0 && support.motion_fraction == 1.0;  // The rest are planes.
       }))

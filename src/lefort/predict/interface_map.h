@@ -24,7 +24,7 @@ enum class InterfaceCondition : std::uint8_t {
   kFree,        ///< No traction: skin.
   kContact,     ///< Bones push it, without friction; nothing holds it.
   kBonded,      ///< Moves with its bone.
-  kElevated,    ///< Connected to its bone by an elastic layer, normal and tangential.
+  kElevated,    ///< Bones push it; it slides and lifts off, and heals where it then lies.
   kSliding,     ///< Stays on its bone, moves freely along it; near air it may separate.
   kFixed,       ///< Does not move, and is not assigned to a bone.
   kRoller,      ///< OuterBoundary::kRoller.

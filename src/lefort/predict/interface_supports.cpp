@@ -10,19 +10,23 @@ namespace {
 /// Stiffness of a roller divided by E / h: a traction of E moves it by h / 1000.
 constexpr double kRollerFactor = 1000.0;
 
+bool is_supported_by_bone(const NodeInterface& one) {
+  return one.condition == InterfaceCondition::kElevated ||
+         one.condition == InterfaceCondition::kSliding;
+}
+
+/// Tissue that may lift off the bone has a support in compression only; nothing holds it along the
+/// bone.
 contact::NodalSupport on_bone(const NodeInterface& one, const std::vector<BoundaryNode>& boundary,
                               const LayerStiffness& layer) {
   const BoundaryNode& at = boundary[std::size_t(one.node)];
-  const bool is_sliding = one.condition == InterfaceCondition::kSliding;
-  double tension_mpa_per_mm = layer.tension_mpa_per_mm;
-  if (is_sliding) tension_mpa_per_mm = one.may_separate ? 0.0 : layer.normal_mpa_per_mm;
+  const bool may_lift_off = one.condition == InterfaceCondition::kElevated || one.may_separate;
   return {.node = one.node,
           .area_mm2 = at.area_mm2,
           .normal_B = -at.normal_L,  // Into the tissue, out of the bone.
           .normal_mpa_per_mm = layer.normal_mpa_per_mm,
-          .tension_mpa_per_mm = tension_mpa_per_mm,
-          .tangential_mpa_per_mm = is_sliding ? 0.0 : layer.tangential_mpa_per_mm,
-          .follows_surface = is_sliding};
+          .tension_mpa_per_mm = may_lift_off ? 0.0 : layer.normal_mpa_per_mm,
+          .follows_surface = true};
 }
 
 }  // namespace
@@ -31,7 +35,6 @@ LayerStiffness layer_stiffness(double young_mpa, double poisson, double thicknes
   const double mu = young_mpa / (2.0 * (1.0 + poisson));
   const double lambda = young_mpa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
   return {.normal_mpa_per_mm = (lambda + 2.0 * mu) / thickness_mm,
-          .tension_mpa_per_mm = young_mpa / thickness_mm,
           .tangential_mpa_per_mm = mu / thickness_mm};
 }
 
@@ -45,9 +48,7 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
   const LayerStiffness layer =
       layer_stiffness(kLayerYoung_mpa, kLayerPoisson, boundary.interface_layer_mm);
   for (const NodeInterface& one : map.nodes) {
-    if (one.condition != InterfaceCondition::kElevated &&
-        one.condition != InterfaceCondition::kSliding)
-      continue;
+    if (!is_supported_by_bone(one)) continue;
     if (!(nodes[std::size_t(one.node)].area_mm2 > 0.0)) continue;
     auto& list = one.bone == kStationaryBone ? supports.on_stationary
                                              : supports.on_segments[std::size_t(one.bone)];
@@ -79,7 +80,7 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
 
 bool slides_on_stationary_bone(const InterfaceMap& map) {
   return std::any_of(map.nodes.begin(), map.nodes.end(), [](const NodeInterface& one) {
-    return one.condition == InterfaceCondition::kSliding && one.bone == kStationaryBone;
+    return is_supported_by_bone(one) && one.bone == kStationaryBone;
   });
 }
 

@@ -14,8 +14,7 @@ namespace lefort::predict {
 
 /// Stiffness per area of a thin elastic layer.
 struct LayerStiffness {
-  double normal_mpa_per_mm = 0.0;      ///< k_n = (lambda + 2 mu) / t, compression.
-  double tension_mpa_per_mm = 0.0;     ///< k_n = E / t, tension.
+  double normal_mpa_per_mm = 0.0;      ///< k_n = (lambda + 2 mu) / t.
   double tangential_mpa_per_mm = 0.0;  ///< k_t = mu / t.
 };
 
@@ -25,8 +24,7 @@ inline constexpr double kLayerYoung_mpa = 0.00275, kLayerPoisson = 0.49;
 
 /// A layer of thickness t between two bodies acts as springs of stiffness (lambda + 2 mu) / t along
 /// its normal and mu / t along its surface, to first order in t (\cite klarbring1991; \cite
-/// goland1944 for the same springs in a lap joint). In tension, a layer of separate fibers has the
-/// modulus of uniaxial stress, E.
+/// goland1944 for the same springs in a lap joint).
 ///
 /// \param young_mpa     of the layer, > 0.
 /// \param poisson       0 <= nu < 0.5.
@@ -40,6 +38,10 @@ struct InterfaceSupports {
   std::vector<contact::NodalSupport> on_planes;
 };
 
+/// Elevated tissue is not attached while the bones move: bone pushes it, and it may slide and lift
+/// off. It heals to the bone where it then lies (\cite kim2004; \cite boutros2003), so that the new
+/// attachment is free of stress there and does not change the equilibrium.
+///
 /// \param tissue         mesh at rest.
 /// \param map            conditions of its boundary nodes.
 /// \param segment_count  of the plan.
@@ -51,7 +53,8 @@ struct InterfaceSupports {
                                                    const TissueOptions& options,
                                                    const BoundaryOptions& boundary);
 
-/// \returns whether a node slides on stationary bone: its distance field is then needed.
+/// \returns whether a node slides on stationary bone or is elevated from it: its distance field is
+///   then needed.
 [[nodiscard]] bool slides_on_stationary_bone(const InterfaceMap& map);
 
 }  // namespace lefort::predict

@@ -15,7 +15,7 @@ const LABEL_TITLES: Record<string, string> = {
   'with segment': 'Moves with the mobilized segment',
   contact: 'No support; any bone can push it',
   bonded: 'Moves with the closest bone',
-  elevated: 'Elastic layer on the closest bone',
+  elevated: 'Any bone can push it; heals to the bone where it then lies',
   sliding: 'Stays on the closest bone, moves freely along it',
 };
 

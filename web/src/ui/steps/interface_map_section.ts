@@ -26,7 +26,7 @@ const CONDITION_TITLES: Record<string, string> = {
   free: 'No traction',
   contact: 'Bone pushes it, nothing holds it',
   bonded: 'Moves with its bone',
-  elevated: 'Elastic layer on its bone',
+  elevated: 'Bone pushes it; heals to the bone where it then lies',
   sliding: 'Stays on its bone, moves freely along it',
   fixed: 'No displacement',
   roller: 'No displacement normal to the plane',
