@@ -286,7 +286,7 @@ Surface surface_of(ElementShape which, const MatrixXd& X) {
     MatrixXd x(3, face.node_count());
     for (Index n = 0; n < face.node_count(); ++n) x.col(n) = X.col(local.nodes[std::size_t(n)]);
     for (const AnyPoint& point : face.points) {
-      const Vec3 area = area_mm2(x * point.dN_dxi.transpose(), point.weight);
+      const Vec3 area = area_vector_mm2(x * point.dN_dxi.transpose(), point.weight);
       const Vec3 at = x * point.N;
       surface.points_out = surface.points_out && area.dot(at - middle) > 0.0;
       surface.flux += area.dot(at) / 3.0;

@@ -61,7 +61,7 @@ void add_area(const mesh::Face& face, std::span<const Vec3> X_L, Eigen::Matrix3X
       [&]<class Shape>(const Shape&) {
         const FaceNodes<Shape> X = face_nodes<Shape>(face, X_L);
         for (const auto& point : Shape::quadrature()) {
-          const Vec3 around = area_mm2(tangents<Shape>(X, point), point.weight);
+          const Vec3 around = area_vector_mm2(tangents<Shape>(X, point), point.weight);
           for (int a = 0; a < Shape::kNodes; ++a)
             area.col(face.nodes[std::size_t(a)]) += point.N[a] * around;
         }

@@ -100,8 +100,8 @@ TEST(BoundaryLabels, TheClosestPaintedVoxelWithinHalfADiagonalDecides) {
   BoundaryLabelMap painted{grid, std::vector<BoundaryLabel>(48, BoundaryLabel::kNone)};
   painted.at(1, 1, 1) = BoundaryLabel::kFixed;
   painted.at(3, 1, 1) = BoundaryLabel::kFree;
-  const double max_paint_distance_mm = max_paint_distance_mm(grid);
-  EXPECT_NEAR(max_paint_distance_mm, 0.5 * std::sqrt(4.5), 1e-12);
+  const double max_mm = max_paint_distance_mm(grid);
+  EXPECT_NEAR(max_mm, 0.5 * std::sqrt(4.5), 1e-12);
   const Vec3 fixed_L = grid.point_L(Vec3(1, 1, 1)), free_L = grid.point_L(Vec3(3, 1, 1));
   EXPECT_EQ(painted_at(painted, fixed_L), BoundaryLabel::kFixed);
   EXPECT_EQ(painted_at(painted, free_L), BoundaryLabel::kFree);
@@ -110,11 +110,9 @@ TEST(BoundaryLabels, TheClosestPaintedVoxelWithinHalfADiagonalDecides) {
   EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.5, 0, 0)),
             BoundaryLabel::kFixed);  // Equally close.
   EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0.25, 0.25, 1.0)), BoundaryLabel::kFixed);
-  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, max_paint_distance_mm - 1e-6)),
-            BoundaryLabel::kFixed);
-  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, max_paint_distance_mm + 1e-6)),
-            BoundaryLabel::kNone);
-  EXPECT_EQ(painted_at(painted, free_L + Vec3(max_paint_distance_mm - 1e-6, 0, 0)),
+  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, max_mm - 1e-6)), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, max_mm + 1e-6)), BoundaryLabel::kNone);
+  EXPECT_EQ(painted_at(painted, free_L + Vec3(max_mm - 1e-6, 0, 0)),
             BoundaryLabel::kFree);  // Outside the scan.
   EXPECT_EQ(painted_at(painted, Vec3(1e9, -1e9, 0)), BoundaryLabel::kNone);
 }

@@ -94,7 +94,7 @@ std::array<SupportSpring, 4> springs_of(const contact::NodalSupport& support) {
 }
 
 /// Turns supports that follow the surface of a bone to its direction out of the bone.
-Result<void> turn_to_bone(const MovedSegment& bone, std::span<const Vec3> nodes_L,
+Result<void> turn_to_bone(const ContactBone& bone, std::span<const Vec3> nodes_L,
                           std::vector<contact::NodalSupport>& supports) {
   if (std::ranges::none_of(supports, &contact::NodalSupport::follows_surface)) return {};
   LEFORT_TRY(const auto distance_query_B,
