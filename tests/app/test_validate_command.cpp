@@ -102,7 +102,7 @@ TEST(ValidateCommand, PhantomCasesAreCloserThanNoChangeAndAKilledRunGivesTheSame
   EXPECT_LT(mean_of(face, "prediction"), 0.5);  // Noise of 0.3 mm, and parameters differ.
   EXPECT_GT(mean_of(face, "no_change"), mean_of(face, "prediction") + 0.3);
   EXPECT_GT(face["gain_mm"]["no_change"]["low"].get<double>(), 0.0);
-  EXPECT_EQ(result["cases"][0]["regions_from"], "estimate");
+  EXPECT_EQ(result["cases"][0]["regions_from"], "landmarks");
   EXPECT_TRUE(fs::exists(folder / "whole/pictures/case_01_difference_front.png"));
 
   kill_when({"validate", phantom_cohort().string(), "-o", (folder / "killed").string(), "--quiet"},
@@ -161,6 +161,26 @@ TEST(ValidateCommand, SurfacesAloneAreEnoughAndTheMovementIsFound) {
   ASSERT_TRUE(io::write_surface(one / "after_skin.vtp", skin_L));
   ASSERT_TRUE(io::write_surface(one / "after_skull.ply", skull_L));
   ASSERT_TRUE(io::write_surface(one / "after_mandible.ply", mandible_L));
+  // This head has no orbits, by which landmarks are found.
+  std::string landmarks = "name,x_mm,y_mm,z_mm\n";
+  const auto add = [&](const std::string& name, double x, double z) {
+    const double y = -60.0 * std::sqrt(1.0 - std::pow(x / 52.0, 2) - std::pow(z / 75.0, 2));
+    landmarks += fmt::format("{},{},{},{}\n", name, x, y, z);
+  };
+  add("N'", 0, 38);
+  add("Sn", 0, -1);
+  add("Stm", 0, -18);
+  add("Li", 0, -25);
+  add("Pg'", 0, -40);
+  add("Me'", 0, -53);
+  for (const double side : {-1.0, 1.0}) {
+    const std::string suffix = side < 0.0 ? "-R" : "-L";
+    add("Al" + suffix, 13 * side, 2);
+    add("En" + suffix, 13 * side, 33);
+    add("Ex" + suffix, 35 * side, 33);
+    add("Ch" + suffix, 20 * side, -18);
+  }
+  ASSERT_TRUE(io::write_text(one / "landmarks.csv", landmarks));
   ASSERT_TRUE(io::write_text(folder / "cohort/plan.json", R"({
     "lefort_plan": 1,
     "segments": [{"name": "jaw", "osteotomy": {"bone": "mandible"}}],

@@ -1,7 +1,6 @@
 /// \file
-/// Errors of faces by region, the ratio rule, and regions without landmarks.
+/// Errors of faces by region, and the ratio rule.
 #include <lefort/compare/compare_by_region.h>
-#include <lefort/compare/estimate_landmarks.h>
 #include <lefort/compare/face_error.h>
 #include <lefort/compare/ratio_rule.h>
 #include <lefort/geometry/transform_mesh.h>
@@ -22,57 +21,6 @@ const RegionError& row_of(const std::vector<RegionError>& rows, const std::strin
   for (const RegionError& row : rows)
     if (row.region == name) return row;
   throw std::out_of_range(name);
-}
-
-/// A head with a nose, upright, anterior is -y; the mandible ends at z = -70.
-TriangleMesh head() {
-  TriangleMesh skin_L = test::make_icosphere(1.0, 5);
-  for (Vec3& v : skin_L.vertices) {
-    const double nose = 20.0 * std::exp(-40.0 * (v - Vec3(0, -1, 0)).squaredNorm());
-    v = v.cwiseProduct(Vec3(75, 95, 110)) + Vec3(0, -nose, 0);
-  }
-  return skin_L;
-}
-
-TriangleMesh bone() { return test::make_box({-30, -80, -70}, {30, 60, 60}); }
-
-std::vector<FaceRegion> regions_of_head(const TriangleMesh& skin_L) {
-  const auto landmarks = estimate_landmarks(skin_L, bone());
-  EXPECT_TRUE(landmarks) << landmarks.error().message;
-  const auto regions = FaceRegions::from(*landmarks);
-  EXPECT_TRUE(regions) << regions.error().message;
-  EXPECT_TRUE(regions->missing().empty());
-  return regions_of(skin_L, nullptr, *regions);
-}
-
-TEST(EstimateLandmarks, EveryRegionIsFoundFromTopToBottom) {
-  const TriangleMesh skin_L = head();
-  const auto region_of = regions_of_head(skin_L);
-  std::array<double, 7> height_mm{}, count{};
-  for (std::size_t v = 0; v < region_of.size(); ++v) {
-    height_mm[std::size_t(region_of[v])] += skin_L.vertices[v].z();
-    ++count[std::size_t(region_of[v])];
-    if (region_of[v] == FaceRegion::kLeftCheek) {
-      EXPECT_GT(skin_L.vertices[v].x(), 0.0);
-    }
-    if (skin_L.vertices[v].y() > 0.0) {
-      EXPECT_EQ(region_of[v], FaceRegion::kElsewhere);
-    }
-  }
-  for (const FaceRegion region : kFaceRegions) {
-    ASSERT_GT(count[std::size_t(region)], 3.0) << name_of(region);
-    height_mm[std::size_t(region)] /= count[std::size_t(region)];
-  }
-  const auto height_of = [&](FaceRegion region) { return height_mm[std::size_t(region)]; };
-  EXPECT_GT(height_of(FaceRegion::kNose), height_of(FaceRegion::kUpperLip));
-  EXPECT_GT(height_of(FaceRegion::kUpperLip), height_of(FaceRegion::kLowerLip));
-  EXPECT_GT(height_of(FaceRegion::kLowerLip), height_of(FaceRegion::kChin));
-}
-
-TEST(EstimateLandmarks, BoneWithoutALowerJawIsRejected) {
-  const auto landmarks = estimate_landmarks(head(), test::make_box({-40, -80, -10}, {40, 60, 60}));
-  ASSERT_FALSE(landmarks);
-  EXPECT_EQ(landmarks.error().code, ErrorCode::kAnatomyMissing);
 }
 
 /// The signs fail if x, y, z or prediction and achieved are exchanged.

@@ -233,7 +233,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_EQ(plan->landmarks.size(), 5U);
   ASSERT_EQ(plan->segments.size(), 3U);
-  const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted, is_whole] =
+  const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted, is_whole, piece] =
       plan->segments[0];
   EXPECT_EQ(maxilla.segment, "maxilla");
   EXPECT_EQ(maxilla.kerf_mm, 0.5);
@@ -241,7 +241,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   EXPECT_EQ(maxilla.planes.size(), 2U);
   EXPECT_NEAR((maxilla.planes[0].point_L - Vec3(0, -70, -25)).norm(), 7.0, 1e-12);
   EXPECT_EQ(maxilla_from, "");
-  EXPECT_FALSE(is_distracted || is_whole);
+  EXPECT_FALSE(is_distracted || is_whole || piece);
   EXPECT_EQ(maxilla_path.interpolation, geometry::Interpolation::kScrew);
   EXPECT_EQ(maxilla_path.keyframes[0].center_L, Vec3(0, -25, -28));
   EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
@@ -262,6 +262,87 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   ASSERT_TRUE(plan->segments[2].osteotomy.planes[0].bounds);
   EXPECT_EQ(plan->segments[2].osteotomy.planes[0].bounds->width_mm, 30.0);
   EXPECT_EQ(plan->segments[2].osteotomy.planes[0].bounds->across_L, Vec3(1, 0, 0));
+}
+
+Json autorotated_plan() {
+  return Json::parse(R"({
+    "lefort_plan": 1,
+    "landmarks": {"Cdl-R": [-60, 10, -4], "Cdm-R": [-40, 10, -4], "Cdl-L": [60, 10, -4],
+                  "Cdm-L": [40, 10, -4]},
+    "segments": [
+      {"name": "distal", "osteotomy": {"planes": [{"point_mm": [0, 0, 0], "towards_segment": [0, -1, 0]}]},
+       "path": {"keyframes": [{"autorotate": {"closing_deg": 5}, "translation_mm": [0, 3, 0]}]}},
+      {"name": "proximal", "osteotomy": {"piece_at": "Cdl-R"},
+       "path": {"keyframes": [{"rotation_deg": [-2, 0, 0], "about": "condyle-R"}]}}]
+  })");
+}
+
+/// Both about the axis x through (10, -4); the closed form of a rotation in its normal plane.
+TEST(PlanFile, AMandibleRotatesAboutItsCondyles) {
+  const auto plan = parse_plan(autorotated_plan().dump(), ".");
+  ASSERT_TRUE(plan) << plan.error().message;
+  const auto turned = [](double y, double z, double closing_deg) {
+    const double a = -closing_deg * std::numbers::pi / 180.0;
+    return Vec3(7, 10 + std::cos(a) * (y - 10) - std::sin(a) * (z + 4),
+                -4 + std::sin(a) * (y - 10) + std::cos(a) * (z + 4));
+  };
+  const RigidTransform distal = geometry::pose_at(plan->segments[0].path, 1.0);
+  EXPECT_LT((distal * Vec3(7, -70, -64) - turned(-70, -64, 5.0) - Vec3(0, 3, 0)).norm(), 1e-12);
+  EXPECT_EQ(plan->segments[1].piece_at_L, Vec3(-60, 10, -4));
+  EXPECT_FALSE(plan->segments[0].piece_at_L);
+  const RigidTransform proximal = geometry::pose_at(plan->segments[1].path, 1.0);
+  EXPECT_EQ(plan->segments[1].path.keyframes[0].center_L, Vec3(-50, 10, -4));
+  EXPECT_LT((proximal * Vec3(7, 15, -60) - turned(15, -60, 2.0)).norm(), 1e-12);
+}
+
+/// A gap is replaced by an angle once the scan is known.
+TEST(PlanFile, AGapBecomesAnAngle) {
+  Json json = autorotated_plan();
+  json["segments"][0]["path"]["keyframes"][0]["autorotate"] = {{"gap_mm", 0.5}, {"to", "maxilla"}};
+  const auto gaps = jaw_gaps(json.dump());
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].segment, 0U);
+  EXPECT_EQ(gaps[0].keyframe, 0U);
+  EXPECT_EQ(gaps[0].gap_mm, 0.5);
+  EXPECT_EQ(gaps[0].upper_jaw, "maxilla");
+  const Json closed = Json::parse(with_closing(json.dump(), gaps[0], 5.0));
+  EXPECT_EQ(closed, autorotated_plan());
+  EXPECT_TRUE(jaw_gaps(closed.dump()).empty());
+}
+
+TEST(PlanFile, AutorotationWithoutItsAxisIsRejected) {
+  const auto refused = [](const std::function<void(Json&)>& change, const std::string& says) {
+    Json json = autorotated_plan();
+    change(json);
+    const auto plan = parse_plan(json.dump(), ".");
+    ASSERT_FALSE(plan) << says;
+    EXPECT_EQ(plan.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(plan.error().message.find(says), std::string::npos) << plan.error().message;
+  };
+  refused([](Json& j) { j["landmarks"].erase("Cdm-L"); }, "Cdm-L");
+  refused(
+      [](Json& j) {
+        j["landmarks"].erase("Cdm-L");
+        j["segments"].erase(0);
+      },
+      "Cdm-L");
+  auto frame = [](Json& j) -> Json& { return j["segments"][0]["path"]["keyframes"][0]; };
+  refused([&](Json& j) { frame(j)["autorotate"]["closing_deg"] = 31; }, "closing_deg");
+  refused([&](Json& j) { frame(j)["autorotate"] = Json::object(); }, "closing_deg");
+  refused([&](Json& j) { frame(j)["autorotate"] = {{"gap_mm", 1}}; }, "with a scan");
+  refused([&](Json& j) { frame(j)["autorotate"]["gap_mm"] = 1; }, "either closing_deg or gap_mm");
+  refused([&](Json& j) { frame(j)["autorotate"]["to"] = "x"; }, "to is of gap_mm");
+  auto cut = [](Json& j) -> Json& { return j["segments"][1]["osteotomy"]; };
+  refused([&](Json& j) { cut(j)["bone"] = "mandible"; }, "bone and piece_at move a whole bone");
+  refused([&](Json& j) { cut(j)["kerf_mm"] = 1; }, "bone and piece_at move a whole bone");
+  refused([&](Json& j) { cut(j)["piece_at"] = "Cdl"; }, "no landmark Cdl");
+  refused(
+      [&](Json& j) {
+        frame(j).erase("translation_mm");
+        frame(j)["targets"] = {
+            {"Cdl-R", {-60, 10, -4}}, {"Cdm-R", {-40, 10, -4}}, {"Cdl-L", {60, 12, -4}}};
+      },
+      "autorotate excludes");
 }
 
 TEST(PlanFile, NamedFilesAreReadFromThePlansFolder) {

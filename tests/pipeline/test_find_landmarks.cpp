@@ -1,6 +1,7 @@
 /// \file
 /// Landmarks found on synthetic heads, compared with the true ones.
 #include <lefort/anatomy/parametric_head.h>
+#include <lefort/compare/face_regions.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 
 #include <fmt/format.h>
@@ -93,6 +94,50 @@ TEST(FindLandmarks, EveryLandmarkIsFoundOrHasAReason) {
     for (const std::string side : {"-R", "-L"})
       EXPECT_EQ(names.count(kind.is_paired ? name + side : name), 1U) << name;
   }
+}
+
+/// Shoulders are symmetric and concave, and larger than the head: they must not attract the search.
+TEST(FindLandmarks, AreThoseOfTheHeadIfTheScanHasShoulders) {
+  const anatomy::ParametricHead head({});
+  const anatomy::LabeledScan alone = scan_of(head);
+  anatomy::LabeledScan body = alone;
+  constexpr Index kSide = 60, kBelow = 90;  // Voxels of 1.5 mm.
+  image::Grid& grid = body.ct.grid;
+  grid.size[0] += 2 * kSide;
+  grid.size[2] += kBelow;
+  grid.origin_L = alone.ct.grid.point_L({-double(kSide), 0.0, -double(kBelow)});
+  body.labels.grid = grid;
+  body.ct.values.assign(std::size_t(grid.voxel_count()), -1000);
+  body.labels.values.assign(std::size_t(grid.voxel_count()), anatomy::Tissue::kBackground);
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i) {
+        const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
+        if (alone.ct.grid.contains(i - kSide, j, k - kBelow)) {
+          body.ct.at(i, j, k) = alone.ct.at(i - kSide, j, k - kBelow);
+          body.labels.at(i, j, k) = alone.labels.at(i - kSide, j, k - kBelow);
+        } else if (p_L.z() < -150.0 && p_L.y() > -60.0) {
+          // Two shoulder blades and the spine between them, in soft tissue.
+          const bool is_bone = p_L.y() > 40.0 && std::abs(std::abs(p_L.x()) - 90.0) < 50.0;
+          body.ct.at(i, j, k) = is_bone ? 1000 : 40;
+          body.labels.at(i, j, k) = is_bone ? anatomy::Tissue::kBone : anatomy::Tissue::kSoftTissue;
+        }
+      }
+  const plan::Landmarks expected = search_in(alone).landmarks(),
+                        found = search_in(body).landmarks();
+  for (const plan::Landmark& landmark : expected) {
+    const auto at = plan::find_landmark(found, landmark.name);
+    ASSERT_TRUE(at) << landmark.name;
+    EXPECT_LT((*at - landmark.point_L).norm(), 1.0) << landmark.name;
+  }
+}
+
+/// They define all regions of a face, without landmarks by hand.
+TEST(FindLandmarks, DefineTheRegionsOfAFace) {
+  const auto regions = compare::FaceRegions::from(
+      search_in(scan_of(anatomy::ParametricHead(anatomy::draw_head_shape(104)))).landmarks());
+  ASSERT_TRUE(regions) << regions.error().message;
+  EXPECT_TRUE(regions->missing().empty()) << regions->missing().front();
 }
 
 /// A scan that ends above the chin has no landmark there, rather than one at its end.

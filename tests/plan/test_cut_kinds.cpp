@@ -217,6 +217,36 @@ TEST(CutSegments, LaterCutsUseTheRemainderOrTheNamedSegment) {
   EXPECT_NEAR(all->skull_volume_mm3, 16000.0, 1e-6);
 }
 
+/// The bar is cut at y = 0 and -10: the middle is left between two ends, of which one moves.
+TEST(CutPieces, APieceThatEarlierCutsLeftIsASegment) {
+  const std::vector<PlannedSegment> plan{
+      planned({"middle", {{{0, -10, 0}, {0, 1, 0}}, {{0, 5, 0}, {0, -1, 0}}}}),
+      {.osteotomy = {"front", {}}, .cut = {}, .piece_at_L = Vec3(0, -20, 3)}};
+  const auto all = cut_segments(kBar, plan);
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_NEAR(all->volumes_mm3[0], 6000.0, 1e-3);
+  EXPECT_NEAR(all->volumes_mm3[1], 4000.0, 1e-3);
+  EXPECT_NEAR(all->remainder_volume_mm3, 6000.0, 1e-3);
+  EXPECT_NEAR(geometry::bounding_box(all->segments_L[1]).max().y(), -10.0, 1e-9);
+  EXPECT_TRUE(geometry::is_closed(all->segments_L[1]));
+  EXPECT_TRUE(geometry::is_closed(all->remainder_L));
+}
+
+TEST(CutPieces, PiecesThatAreNotThereAreReported) {
+  const auto refuse = [](std::vector<PlannedSegment> plan, const char* words) {
+    const auto all = cut_segments(kBar, plan);
+    ASSERT_FALSE(all) << words;
+    EXPECT_EQ(all.error().code, ErrorCode::kCutMissesBone);
+    EXPECT_NE(all.error().message.find(words), std::string::npos) << all.error().message;
+  };
+  const PlannedSegment front{.osteotomy = {"front", {}}, .cut = {}, .piece_at_L = Vec3(0, -20, 3)};
+  PlannedSegment off = front;
+  off.piece_at_L = Vec3(0, -26, 0);
+  refuse({front}, "the bone is one piece");
+  refuse({planned({"back", {{{0, 5, 0}, {0, 1, 0}}, {{0, 12, 0}, {0, -1, 0}}}}), off},
+         "no piece of bone lies within 5 mm");
+}
+
 PlannedSegment whole_mandible(std::string name) {
   PlannedSegment segment = planned({std::move(name), {}});
   segment.is_whole_mandible = true;

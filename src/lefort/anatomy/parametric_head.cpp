@@ -4,6 +4,7 @@
 
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace lefort::anatomy {
 namespace {
@@ -108,6 +109,10 @@ double upper_teeth(const Vec3& p, const HeadShape& s) {
   return join(join(incisors, arch, 3.0), cusp, 1.5);
 }
 
+/// The head of the condyle: medial and lateral end of its axis.
+const std::pair<Vec3, Vec3> kCondyle{{45, -21, -7}, {54, -20, -6}};
+constexpr double kCondyleRadius_mm = 5.0;
+
 /// Lower border and alveolar process of the body, and the ramus.
 double lower_jaw(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p), chin = in_plane(s.chin_mm), angle = s.angle_mm;
@@ -127,7 +132,7 @@ double lower_jaw(const Vec3& p, const HeadShape& s) {
   const double behind = tube(q, {Vec3(46, -20, -62) + angle, {50, -19, -14}}, 5.0);
   const double ahead = tube(q, {{42, -38, -62}, {44, -40, -30}, {45, -40, -12}}, 3.5);
   const double between = tube(q, {{45, -28, -60}, {47, -27, -26}}, 4.0);
-  const double condyle = tube(q, {{45, -21, -7}, {54, -20, -6}}, 5.0);
+  const double condyle = tube(q, {kCondyle.first, kCondyle.second}, kCondyleRadius_mm);
   const double point = ellipsoid(q, Vec3(0, -83, -88) + chin, {12, 8, 8});
   const double body = join(join(border, middle, 6.0), alveolus, 6.0);
   const double ramus = join(join(behind, ahead, 5.0), between, 6.0);
@@ -199,6 +204,8 @@ double ParametricHead::skull(const Vec3& p_L) const {
   bone = without(bone, ellipsoid(q, Vec3(0, -75, -7) + 0.5 * spine, {12, 40, 19}),
                  2.0);  // Nasal cavity.
   bone = join(bone, palate(p, s), 1.5);
+  // The mandibular fossa: a joint space of 2 mm around the head of the condyle.
+  bone = without(bone, tube(q, {kCondyle.first, kCondyle.second}, kCondyleRadius_mm + 2.0), 1.0);
   const double pterygoid = tube(q, {{14, -42, -10}, {16, -41, -32}}, 3.0);
   return join(join(bone, pterygoid, 2.0), upper_teeth(p, s), 2.0);
 }

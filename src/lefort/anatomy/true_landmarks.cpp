@@ -177,6 +177,8 @@ class TrueLandmarks {
       at_["L6" + side] =
           climb(mandible_, place({sign * 27.5, -63.0, -52.0}), {0.35 * sign, 0, 0.94});
       at_["Co" + side] = climb(mandible_, place({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
+      at_["Cdl" + side] = climb(mandible_, place({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
+      at_["Cdm" + side] = climb(mandible_, place({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});
       const Vec3 angle(sign * (50.0 + s.angle_mm.x()), -15.0 + s.angle_mm.y(),
                        -66.0 + s.angle_mm.z());
       at_["Go" + side] = gonion(place(angle), at_.at("Co" + side));

@@ -207,24 +207,53 @@ Result<PlanText> read_plan_text(const fs::path& file) {
   return parse_plan_of(file, std::move(text));
 }
 
-Result<std::optional<PlanForLandmarks>> read_plan_for_landmarks(const fs::path& file) {
+Result<std::optional<OpenPlan>> read_open_plan(const fs::path& file) {
   LEFORT_TRY(std::string text, read_text(file, kMaxPlan));
   const Result<internal::CheckedJson> checked =
       internal::parse_checked(text, kPlanSchema, "the plan", deprecated_in_plans());
   if (!checked)
     return fail(checked.error().code,
                 fmt::format("plan {}: {}", file.string(), checked.error().message));
-  if (!has_auto_landmarks(checked->json)) return std::nullopt;
-  return PlanForLandmarks{read_scan(checked->json, folder_of(file)), std::move(text)};
+  const bool needs_landmarks = has_auto_landmarks(checked->json);
+  if (!needs_landmarks && jaw_gaps(text).empty()) return std::nullopt;
+  return OpenPlan{read_scan(checked->json, folder_of(file)), std::move(text), needs_landmarks};
 }
 
-Result<PlanText> with_landmarks(const PlanForLandmarks& open, const plan::Landmarks& landmarks,
-                                const fs::path& file) {
-  auto json = nlohmann::ordered_json::parse(open.json);
+std::string with_landmarks(const std::string& text, const plan::Landmarks& landmarks) {
+  auto json = nlohmann::ordered_json::parse(text);
   auto points = nlohmann::ordered_json::object();
   for (const auto& [name, p_L] : landmarks) points[name] = {p_L.x(), p_L.y(), p_L.z()};
   json["landmarks"] = points;
-  return parse_plan_of(file, json.dump(2) + "\n");
+  return json.dump(2) + "\n";
+}
+
+std::vector<JawGap> jaw_gaps(const std::string& text) {
+  std::vector<JawGap> gaps;
+  const Json json = Json::parse(text);
+  for (std::size_t segment = 0; segment < json["segments"].size(); ++segment) {
+    const Json& path = json["segments"][segment]["path"];
+    if (!path.contains("keyframes")) continue;
+    for (std::size_t keyframe = 0; keyframe < path["keyframes"].size(); ++keyframe) {
+      const Json& one = path["keyframes"][keyframe];
+      // Both is an error that parsing reports.
+      if (one.contains("autorotate") && one["autorotate"].contains("gap_mm") &&
+          !one["autorotate"].contains("closing_deg"))
+        gaps.push_back({segment, keyframe, one["autorotate"]["gap_mm"].get<double>(),
+                        one["autorotate"].value("to", "")});
+    }
+  }
+  return gaps;
+}
+
+std::string with_closing(const std::string& text, const JawGap& gap, double closing_deg) {
+  auto json = nlohmann::ordered_json::parse(text);
+  json["segments"][gap.segment]["path"]["keyframes"][gap.keyframe]["autorotate"] = {
+      {"closing_deg", closing_deg}};
+  return json.dump(2) + "\n";
+}
+
+Result<PlanText> parse_completed_plan(const fs::path& file, std::string text) {
+  return parse_plan_of(file, std::move(text));
 }
 
 Result<PlanFile> read_plan(const fs::path& file) {

@@ -39,28 +39,44 @@ struct PlanText {
   std::string json;
 };
 
-/// A plan whose landmarks are "auto".
-struct PlanForLandmarks {
-  PlanFile plan;     ///< Only title, scan, labels and segmentation options.
-  std::string json;  ///< Text of the file.
+/// A plan with values that are found in its scan: landmarks that are "auto", or autorotation to a
+/// gap between the teeth.
+struct OpenPlan {
+  PlanFile plan;     ///< Without landmarks, segments and options that depend on them.
+  std::string json;  ///< As it was read.
+  bool needs_landmarks = false;
 };
 
-/// \returns the plan if its landmarks are "auto", nothing if they are not; or kFileNotFound,
-///   kFileCorrupt or kPlanInvalid as read_plan().
-[[nodiscard]] Result<std::optional<PlanForLandmarks>> read_plan_for_landmarks(
-    const std::filesystem::path& file);
+/// Autorotation to a gap: a keyframe of a plan.
+struct JawGap {
+  std::size_t segment, keyframe;  ///< Numbers.
+  double gap_mm;
+  std::string upper_jaw;  ///< Name of the segment with the upper teeth; empty: they do not move.
+};
 
-/// The plan with the given landmarks in place of "auto".
+/// \returns the plan if the scan is needed to complete it, nothing if it is complete; or what
+///   read_plan() returns.
+[[nodiscard]] Result<std::optional<OpenPlan>> read_open_plan(const std::filesystem::path& file);
+
+/// The text of a plan with the given landmarks in place of its own.
+[[nodiscard]] std::string with_landmarks(const std::string& json, const plan::Landmarks& landmarks);
+
+/// The gaps of a valid plan, in its order.
+[[nodiscard]] std::vector<JawGap> jaw_gaps(const std::string& json);
+
+/// The text of a plan with an angle [degrees] in place of a gap.
+[[nodiscard]] std::string with_closing(const std::string& json, const JawGap& gap,
+                                       double closing_deg);
+
+/// Parses a completed plan.
 ///
-/// \param open       the plan with "auto".
-/// \param landmarks  of the scan.
-/// \param file       the plan, for messages and relative paths.
-/// \returns as read_plan_text(); the text of the result contains the landmarks.
-[[nodiscard]] Result<PlanText> with_landmarks(const PlanForLandmarks& open,
-                                              const plan::Landmarks& landmarks,
-                                              const std::filesystem::path& file);
+/// \param file  the plan, for messages and relative paths.
+/// \returns as read_plan_text().
+[[nodiscard]] Result<PlanText> parse_completed_plan(const std::filesystem::path& file,
+                                                    std::string json);
 
-/// Reads and checks a plan. Landmarks must not be "auto" (read_plan_for_landmarks()).
+/// Reads and checks a plan. Landmarks must not be "auto", and autorotation not to a gap
+/// (read_open_plan()).
 ///
 /// Files that the plan names (landmarks, targets, transforms, planes, curves) are also read, except
 /// the scan and labels.

@@ -1,4 +1,6 @@
+#include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_segments.h>
 
@@ -36,6 +38,47 @@ Result<OsteotomyResult> take_mandible(const geometry::TriangleMesh* mandible_L,
   bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
   bones.segment_pieces = 1;
   return bones;
+}
+
+/// The piece of bone at a point.
+Result<OsteotomyResult> take_piece(const geometry::TriangleMesh& source_L, const Vec3& at_L,
+                                   const std::string& segment) {
+  constexpr double kNearPiece_mm = 5.0;  // As for anchor points.
+  const std::vector<BoneBody> bodies = bodies_of(source_L);
+  std::size_t nearest = bodies.size();
+  double nearest_mm = kNearPiece_mm;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (geometry::bounding_box(bodies[k].surface).exteriorDistance(at_L) > nearest_mm) continue;
+    const auto closest = geometry::Bvh(bodies[k].surface).closest_point(at_L, nearest_mm);
+    if (!closest || (nearest < bodies.size() && closest->distance_mm >= nearest_mm)) continue;
+    nearest = k;
+    nearest_mm = closest->distance_mm;
+  }
+  if (nearest == bodies.size() || bodies.size() == 1)
+    return fail(ErrorCode::kCutMissesBone,
+                fmt::format("osteotomy of '{}': {}", segment,
+                            bodies.size() == 1 ? "the bone is one piece, nothing would be left"
+                                               : "no piece of bone lies within 5 mm of its point"));
+  std::vector<bool> is_segment(bodies.size(), false), is_rest(bodies.size(), true);
+  is_segment[nearest] = true;
+  is_rest[nearest] = false;
+  OsteotomyResult bones;
+  bones.segment_L = gather(bodies, is_segment);
+  bones.remainder_L = gather(bodies, is_rest);
+  bones.segment_volume_mm3 = geometry::signed_volume_mm3(bones.segment_L);
+  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
+  bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
+  bones.segment_pieces = 1;
+  return bones;
+}
+
+/// One osteotomy of a plan.
+Result<OsteotomyResult> cut_one(const geometry::TriangleMesh& source_L,
+                                const geometry::TriangleMesh* mandible_L, const PlannedSegment& one,
+                                Progress& progress) {
+  if (one.is_whole_mandible) return take_mandible(mandible_L, source_L, one.osteotomy.segment);
+  if (one.piece_at_L) return take_piece(source_L, *one.piece_at_L, one.osteotomy.segment);
+  return perform_osteotomy(source_L, one.osteotomy, one.cut, progress);
 }
 
 }  // namespace
@@ -82,11 +125,8 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
     const PlannedSegment& one = planned[k];
     const std::size_t from = index_of(planned, k, one.cut_from);
     geometry::TriangleMesh& source = one.cut_from.empty() ? all.remainder_L : all.segments_L[from];
-    const bool is_whole = one.is_whole_mandible;
-    LEFORT_TRY(OsteotomyResult bones,
-               is_whole ? take_mandible(mandible_L, source, one.osteotomy.segment)
-                        : perform_osteotomy(source, one.osteotomy, one.cut, progress));
-    if (is_whole) mandible_L = nullptr;
+    LEFORT_TRY(OsteotomyResult bones, cut_one(source, mandible_L, one, progress));
+    if (one.is_whole_mandible) mandible_L = nullptr;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
     source = std::move(bones.remainder_L);
     if (!one.cut_from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;

@@ -9,6 +9,7 @@
 #include <lefort/plan/perform_osteotomy.h>
 #include <lefort/plan/plan.h>
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ struct PlannedSegment {
   /// The segment is the whole mandible. Nothing is cut: of the osteotomy only the name is used. For
   /// autorotation, and for cases given as surfaces whose osteotomy lines are not known.
   bool is_whole_mandible = false;
+  /// The segment is the whole piece of bone on which this point lies, without a cut: for example a
+  /// proximal segment, which the split of the distal segment left over. As for the whole mandible,
+  /// only the name of the osteotomy is used.
+  std::optional<Vec3> piece_at_L{};
 };
 
 /// \param planned  the segments.
@@ -60,7 +65,8 @@ struct CutSegments {
 /// \param skull_L     closed; without the mandible if `mandible_L` is given.
 /// \param mandible_L  closed; null if the mandible is part of `skull_L`.
 /// \returns as above; also kAnatomyMissing if a segment is the whole mandible and `mandible_L` is
-///   null or taken by an earlier segment.
+///   null or taken by an earlier segment; and kCutMissesBone if no piece lies within 5 mm of
+///   `piece_at_L`, or only one piece is left.
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                const geometry::TriangleMesh* mandible_L,
                                                std::span<const PlannedSegment> planned,

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 namespace lefort::plan {
 namespace {
@@ -20,6 +23,40 @@ std::vector<Vec3> every_nth(const std::vector<Vec3>& points, Index count) {
   std::vector<Vec3> chosen;
   for (Index i = 0; i < Index(points.size()); i += step) chosen.push_back(points[std::size_t(i)]);
   return chosen;
+}
+
+/// The height below which there is no head: below the mandible, or a head's height below the vertex
+/// \cite farkas1994. Shoulders are concave and symmetric, too.
+double neck_mm(const HeadSurfaces& head) {
+  constexpr double kHead_mm = 250.0;     // From vertex to gnathion: mean and 2.6 sigma of men.
+  constexpr double kBelowChin_mm = 5.0;  // Of a head that is bent backwards.
+  const double vertex_mm = geometry::bounding_box(*head.skull_L).max().z();
+  const double low_mm = vertex_mm - kHead_mm;
+  if (head.mandible_L == nullptr || head.mandible_L->triangles.empty()) return low_mm;
+  return std::max(low_mm, geometry::bounding_box(*head.mandible_L).min().z() - kBelowChin_mm);
+}
+
+/// The triangles above a height, with the vertices that they use.
+geometry::TriangleMesh part_above(const geometry::TriangleMesh& mesh, double low_mm) {
+  geometry::TriangleMesh part;
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    const auto is_above = [&](std::int32_t v) {
+      return mesh.vertices[std::size_t(v)].z() >= low_mm;
+    };
+    if (!std::all_of(triangle.begin(), triangle.end(), is_above)) continue;
+    geometry::Triangle copied = triangle;
+    for (std::int32_t& v : copied) {
+      std::int32_t& n = number[std::size_t(v)];
+      if (n < 0) {
+        n = std::int32_t(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[std::size_t(v)]);
+      }
+      v = n;
+    }
+    part.triangles.push_back(copied);
+  }
+  return part;
 }
 
 /// The symmetry plane of the skull: the best of 25 starts with few points, then with many.
@@ -108,14 +145,25 @@ Landmarks LandmarkSearch::landmarks() const {
   return all;
 }
 
-Result<LandmarkSearch> find_landmarks(const HeadSurfaces& head) {
+Result<LandmarkSearch> find_landmarks(const HeadSurfaces& whole) {
   constexpr Index kMinVertices = 100;
-  if (head.skull_L->vertex_count() < kMinVertices)
+  constexpr double kNeck_mm = 40.0;  // Of skin below the chin.
+  const auto too_small = [] {
     return fail(ErrorCode::kAnatomyMissing, "the skull is too small to find landmarks on it");
+  };
+  if (whole.skull_L->vertex_count() < kMinVertices) return too_small();
+  const double low_mm = neck_mm(whole);
+  const geometry::TriangleMesh skull_L = part_above(*whole.skull_L, low_mm);
+  if (skull_L.vertex_count() < kMinVertices) return too_small();
+  std::optional<geometry::TriangleMesh> skin_L;
+  if (whole.skin_L != nullptr) skin_L = part_above(*whole.skin_L, low_mm - kNeck_mm);
+  HeadSurfaces head = whole;
+  head.skull_L = &skull_L;
+  if (skin_L) head.skin_L = &*skin_L;
   LandmarkSearch search;
   search.mid_sagittal_L = find_mid_sagittal(*head.skull_L);
   search.X_FL = frame_of(search.mid_sagittal_L, geometry::bounding_box(*head.skull_L).center());
-  const internal::ScanEnds ends = internal::find_scan_ends(head);
+  const internal::ScanEnds ends = internal::find_scan_ends(whole);
   LandmarkList list = search_in(head, ends, search.X_FL);
   if (const auto turn = to_frankfurt(list)) {
     search.X_FL = *turn * search.X_FL;

@@ -50,12 +50,13 @@ struct LandmarkSearch {
 
 /// Finds the landmarks of bone, teeth and skin.
 ///
-/// 1. The mid-sagittal plane is the symmetry plane of the skull (fit_symmetry_plane()).
-/// 2. The other directions lie in that plane: those of the scan; after a first search, those of the
+/// 1. Bone below the mandible, or more than 250 mm below the vertex, is not part of the head.
+/// 2. The mid-sagittal plane is the symmetry plane of the skull (fit_symmetry_plane()).
+/// 3. The other directions lie in that plane: those of the scan; after a first search, those of the
 ///    Frankfurt horizontal through Po and Or.
-/// 3. Orbits and piriform aperture are the concavities of the skull seen from the front; the
+/// 4. Orbits and piriform aperture are the concavities of the skull seen from the front; the
 ///    pronasale is the most prominent point of the face. They bound the regions of the landmarks.
-/// 4. Each landmark is an extremum of a direction, or of the distance from a chord, within its
+/// 5. Each landmark is an extremum of a direction, or of the distance from a chord, within its
 ///    region, by the definitions of three-dimensional cephalometry \cite swennen2006.
 ///
 /// \param head  the surfaces, upright within about 20 degrees of L. \pre the skull is not null.

@@ -83,7 +83,7 @@ void find_symphysis(const HeadInF& head, const Box3& box, LandmarkList& list) {
   const SurfaceCrossings above(teeth, 2, window, kPixel_mm);
   Box3 incisors = strip(6.0);
   incisors.max().y() = box.min().y() + kTeethDepth_mm;
-  auto incisor = find_extremum(above.last_within(incisors), kSuperior, voxel_mm);
+  auto incisor = find_extremum(above.last_within(incisors), kLowerIncisorAxis, voxel_mm);
   if (incisor && incisor->point.z() < low_mm + 1.5 * kTeeth_mm) incisor.reset();
   const auto crest = find_extremum(between_heights(profile, low_mm + kTeeth_mm, box.max().z()),
                                    kAnterior, voxel_mm);
@@ -133,6 +133,23 @@ std::optional<Extremum> find_condylion(const std::vector<Vec3>& side, double vox
   return find_extremum(head, kSuperior, voxel_mm);
 }
 
+/// The poles of the condyle: the most lateral and the most medial point of its head, which is wider
+/// than its neck \cite martin1957.
+void find_condylar_poles(const std::vector<Vec3>& points, const std::optional<Extremum>& condyle,
+                         const Side& side, LandmarkList& list) {
+  constexpr double kHeight_mm = 10.0, kRadius_mm = 18.0;
+  const std::string lateral = std::string("Cdl") + side.suffix;
+  const std::string medial = std::string("Cdm") + side.suffix;
+  std::vector<Vec3> head;
+  for (const Vec3& p : points)
+    if (condyle && p.z() > condyle->point.z() - kHeight_mm &&
+        (p - condyle->point).norm() < kRadius_mm)
+      head.push_back(p);
+  const Vec3 outwards(side.sign, 0.0, 0.0);
+  list.add(lateral, find_extremum(head, outwards, list.voxel_mm()), 0.5, "no condyle");
+  list.add(medial, find_extremum(head, -outwards, list.voxel_mm()), 0.5, "no condyle");
+}
+
 /// The mesiobuccal cusp: 21 to 30 mm behind the incisors, at the height of the occlusion.
 void find_lower_molar(const HeadInF& head, const Side& side, LandmarkList& list) {
   const std::string name = std::string("L6") + side.suffix;
@@ -157,8 +174,8 @@ void find_mandible_landmarks(const HeadInF& head, LandmarkList& list) {
   const bool is_there =
       head.mandible && geometry::bounding_box(*head.mandible).sizes().y() > kMinDepth_mm;
   if (!is_there) {
-    for (const char* const name :
-         {"Me", "Pg", "Gn", "B", "L1", "Co-R", "Co-L", "Go-R", "Go-L", "L6-R", "L6-L"})
+    for (const char* const name : {"Me", "Pg", "Gn", "B", "L1", "Co-R", "Co-L", "Cdl-R", "Cdl-L",
+                                   "Cdm-R", "Cdm-L", "Go-R", "Go-L", "L6-R", "L6-L"})
       list.miss(name, none);
     return;
   }
@@ -168,6 +185,7 @@ void find_mandible_landmarks(const HeadInF& head, LandmarkList& list) {
     const std::vector<Vec3> points = side_of(*head.mandible, box, side.sign);
     const auto condyle = find_condylion(points, list.voxel_mm());
     list.add(std::string("Co") + side.suffix, condyle, 0.5, "no ramus on that side");
+    find_condylar_poles(points, condyle, side, list);
     const auto menton = list.at("Me");
     std::optional<Extremum> gonion;
     if (condyle && menton) gonion = find_gonion(points, condyle->point, *menton, list.voxel_mm());

@@ -36,13 +36,19 @@ std::optional<Extremum> find_nasion(const SurfaceCrossings& front, const FacialC
                        kPosterior, voxel_mm);
 }
 
-/// The tip of the spine at the floor of the piriform aperture.
+/// The tip of the spine at the floor of the piriform aperture; if the profile only slopes to the
+/// teeth there, the point at the height of the floor.
 std::optional<Extremum> find_anterior_spine(const SurfaceCrossings& front, double floor_mm,
                                             double voxel_mm) {
   constexpr double kBelow_mm = 6.0, kAbove_mm = 4.0, kHalf_mm = 4.0;
   const Vec3 direction = Vec3(0.0, -0.94, 0.34).normalized();  // 20 degrees above the horizontal.
-  return find_extremum(mid_profile(front, kHalf_mm, floor_mm - kBelow_mm, floor_mm + kAbove_mm),
-                       direction, voxel_mm);
+  const auto tip =
+      find_extremum(mid_profile(front, kHalf_mm, floor_mm - kBelow_mm, floor_mm + kAbove_mm),
+                    direction, voxel_mm);
+  if (!tip || tip->point.z() > floor_mm - kBelow_mm + voxel_mm) return tip;
+  return find_extremum(
+      mid_profile(front, kHalf_mm, floor_mm - 0.5 * voxel_mm, floor_mm + 0.5 * voxel_mm), kAnterior,
+      voxel_mm);
 }
 
 std::optional<Extremum> find_a_point(const SurfaceCrossings& front, const Vec3& spine,
@@ -157,7 +163,7 @@ void find_upper_teeth(const HeadInF& head, LandmarkList& list) {
   const auto incisor =
       find_extremum(below.first_within(box_of(-kHalf_mm, kHalf_mm, a_point->y() - kAhead_mm,
                                               a_point->y() + kBehind_mm, -kFar_mm, kFar_mm)),
-                    kInferior, list.voxel_mm());
+                    kUpperIncisorAxis, list.voxel_mm());
   list.add("U1", incisor, 0.5, none);
   const auto found = list.at("U1");
   for (const Side& side : kSides) {

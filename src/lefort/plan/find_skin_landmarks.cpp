@@ -103,42 +103,78 @@ std::optional<Notch> find_notch(const std::vector<Vec3>& profile, double within_
 
 constexpr double kNotchWithin_mm = 6.0, kMinNotch_mm = 0.4;
 
+/// The line between the lips, and the direction from which it is a notch.
+struct Mouth {
+  Vec3 stomion, posterior;
+};
+
+/// The deepest notch of the profile below the nose. If the lower lip recedes so far that there is
+/// none as seen from the front, that as seen along the normal of the line from lip to chin.
+std::optional<Mouth> find_mouth(const std::vector<Vec3>& profile, const Vec3& base,
+                                const std::optional<Extremum>& lip,
+                                const std::optional<Extremum>& chin) {
+  const std::vector<Vec3> heights = between_heights(profile, base.z() - 34.0, base.z() - 10.0);
+  if (const auto notch = find_notch(heights, kNotchWithin_mm, kMinNotch_mm))
+    return Mouth{notch->point, kPosterior};
+  if (!lip || !chin || !(lip->point.z() > chin->point.z())) return std::nullopt;
+  const Vec3 chord = lip->point - chin->point;
+  const Vec3 posterior = Vec3(0.0, chord.z(), -chord.y()).normalized();
+  std::vector<Vec3> leaned = heights;
+  for (Vec3& p : leaned) p.y() = posterior.dot(p);
+  const auto notch = find_notch(leaned, kNotchWithin_mm, kMinNotch_mm);
+  if (!notch) return std::nullopt;
+  const auto stomion = std::find_if(heights.begin(), heights.end(),
+                                    [&](const Vec3& p) { return p.z() == notch->point.z(); });
+  return Mouth{*stomion, posterior};
+}
+
+/// The chin near the height of pogonion on bone; without one, below the mouth.
+std::optional<Extremum> find_soft_pogonion(const std::vector<Vec3>& profile,
+                                           const std::optional<Vec3>& bone,
+                                           const std::optional<double>& mouth_mm, double voxel_mm) {
+  if (!bone && !mouth_mm) return std::nullopt;
+  const double chin_mm = bone ? bone->z() : *mouth_mm - 33.0;
+  double high_mm = chin_mm + 8.0;
+  if (mouth_mm) high_mm = std::min(high_mm, *mouth_mm - 20.0);
+  return find_extremum(between_heights(profile, chin_mm - 10.0, high_mm), kAnterior, voxel_mm);
+}
+
+void find_lips(const std::vector<Vec3>& profile, const Vec3& base, const Mouth& mouth,
+               LandmarkList& list) {
+  const double voxel_mm = list.voxel_mm(), mouth_mm = mouth.stomion.z();
+  const auto upper =
+      find_extremum(between_heights(profile, mouth_mm, mouth_mm + 0.65 * (base.z() - mouth_mm)),
+                    kAnterior, voxel_mm);
+  const auto lower = find_extremum(between_heights(profile, mouth_mm - 14.0, mouth_mm),
+                                   -mouth.posterior, voxel_mm);
+  const auto bone = list.at("Pg");
+  const auto pogonion = find_soft_pogonion(profile, bone, mouth_mm, voxel_mm);
+  list.add("Stm", Extremum{mouth.stomion, 0.5}, 0.5, "");
+  list.add("Ls", upper, 1.5, "no upper lip");
+  list.add("Li", lower, 1.5, "no lower lip");
+  if (upper) list.add("A'", find_deepest(profile, upper->point, base, voxel_mm), 0.5, "");
+  list.add("Pg'", pogonion, bone ? 0.5 : 2.0, "the skin ends above the chin");
+  if (pogonion && lower)
+    list.add("B'", find_deepest(profile, pogonion->point, lower->point, voxel_mm), 0.5, "no fold");
+}
+
 void find_nose_and_lips(const Face& face, const Vec3& tip, LandmarkList& list) {
+  constexpr double kChinBelow_mm = 120.0;  // From Prn to below the chin of a long face.
   const double voxel_mm = face.voxel_mm();
-  const auto profile = face.profile(tip.z() - 80.0, tip.z());
+  const auto profile = face.profile(tip.z() - kChinBelow_mm, tip.z());
   const auto lip =
       find_extremum(between_heights(profile, tip.z() - 34.0, tip.z() - 18.0), kAnterior, voxel_mm);
   std::optional<Extremum> subnasale;
   if (lip) subnasale = find_deepest(profile, {0.0, tip.y(), tip.z()}, lip->point, voxel_mm);
   list.add("Sn", subnasale, 0.5, "the skin ends below the nose");
   const auto base = list.at("Sn");
-  std::optional<Notch> notch;
-  if (base)
-    notch = find_notch(between_heights(profile, base->z() - 34.0, base->z() - 10.0),
-                       kNotchWithin_mm, kMinNotch_mm);
-  if (!base || !notch) {
-    for (const char* const name : {"Stm", "Ls", "Li", "A'", "B'", "Pg'"})
-      list.miss(name, base ? "no notch between the lips" : "no subnasale");
-    return;
-  }
-  list.add("Stm", Extremum{notch->point, 0.5}, 0.5, "");
-  const double mouth_mm = notch->point.z();
-  const auto upper =
-      find_extremum(between_heights(profile, mouth_mm, mouth_mm + 0.65 * (base->z() - mouth_mm)),
-                    kAnterior, voxel_mm);
-  const auto lower =
-      find_extremum(between_heights(profile, mouth_mm - 14.0, mouth_mm), kAnterior, voxel_mm);
-  list.add("Ls", upper, 1.5, "no upper lip");
-  list.add("Li", lower, 1.5, "no lower lip");
-  if (upper) list.add("A'", find_deepest(profile, upper->point, *base, voxel_mm), 0.5, "");
-  const auto bone = list.at("Pg");
-  const double chin_mm = bone ? bone->z() : mouth_mm - 33.0;
-  const auto pogonion = find_extremum(
-      between_heights(profile, chin_mm - 10.0, std::min(chin_mm + 8.0, mouth_mm - 20.0)), kAnterior,
-      voxel_mm);
-  list.add("Pg'", pogonion, bone ? 0.5 : 2.0, "the skin ends above the chin");
-  if (pogonion && lower)
-    list.add("B'", find_deepest(profile, pogonion->point, lower->point, voxel_mm), 0.5, "no fold");
+  const auto chin = find_soft_pogonion(profile, list.at("Pg"), std::nullopt, voxel_mm);
+  std::optional<Mouth> mouth;
+  if (base) mouth = find_mouth(profile, *base, lip, chin);
+  if (mouth) return find_lips(profile, *base, *mouth, list);
+  const std::string reason = base ? "no notch between the lips" : "no subnasale";
+  for (const char* const name : {"Stm", "Ls", "Li", "A'", "B'"}) list.miss(name, reason);
+  list.add("Pg'", chin, 1.5, reason);
 }
 
 /// The skin below menton.

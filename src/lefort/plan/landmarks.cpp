@@ -10,7 +10,7 @@
 namespace lefort::plan {
 namespace {
 
-constexpr std::array<LandmarkKind, 34> kKinds{{
+constexpr std::array<LandmarkKind, 36> kKinds{{
     {"N", "nasion", false, false},
     {"S", "sella", false, false},
     {"Or", "orbitale", false, true},
@@ -24,6 +24,8 @@ constexpr std::array<LandmarkKind, 34> kKinds{{
     {"Me", "menton", false, false},
     {"Go", "gonion", false, true},
     {"Co", "condylion", false, true},
+    {"Cdl", "lateral pole of the condyle", false, true},
+    {"Cdm", "medial pole of the condyle", false, true},
     {"Ar", "articulare", false, true},
     {"U1", "upper incisor", false, false},
     {"L1", "lower incisor", false, false},

@@ -187,6 +187,8 @@ const char* name_of(FindingKind kind) {
       return "gap";
     case FindingKind::kMissingSupport:
       return "missing_support";
+    case FindingKind::kToothRoot:
+      return "tooth_root";
   }
   return "";
 }

@@ -20,6 +20,7 @@ struct PlanLimits {
   double gap_mm = 10.0;           ///< Max distance of cut faces from other bone.
   double support_mm = 1.0;        ///< Bone within this distance supports a cut face.
   double support_fraction = 0.1;  ///< Min supported fraction of a segment's cut faces.
+  double root_mm = 5.0;           ///< Min distance of a cut from tooth roots, if teeth are known.
 };
 
 /// Gap and support of a segment's cut faces at the end of its path.
@@ -36,7 +37,7 @@ struct SegmentSupport {
   }
 };
 
-enum class FindingKind { kOverlap, kGap, kMissingSupport };
+enum class FindingKind { kOverlap, kGap, kMissingSupport, kToothRoot };
 
 /// One violated limit.
 struct PlanFinding {
@@ -45,7 +46,7 @@ struct PlanFinding {
   std::string text;     ///< A sentence.
 };
 
-/// \returns "overlap", "gap", "missing_support".
+/// \returns "overlap", "gap", "missing_support", "tooth_root".
 [[nodiscard]] const char* name_of(FindingKind kind);
 
 struct PlanCheck {

@@ -34,6 +34,8 @@ export const CATALOG: readonly LandmarkKind[] = [
   bone('Me', 'menton'),
   ...paired('Go', 'gonion', 'bone'),
   ...paired('Co', 'condylion', 'bone'),
+  ...paired('Cdl', 'lateral pole of the condyle', 'bone'),
+  ...paired('Cdm', 'medial pole of the condyle', 'bone'),
   ...paired('Ar', 'articulare', 'bone'),
   bone('U1', 'upper incisor'),
   bone('L1', 'lower incisor'),

@@ -61,6 +61,7 @@ export interface Keyframe {
   targets?: string | Record<string, Vec3>;
   tolerance_mm?: number;
   transform?: string;
+  autorotate?: { closing_deg?: number; gap_mm?: number; to?: string };
 }
 
 export interface Path {
@@ -300,9 +301,10 @@ export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number)
     };
   });
 
-/** True if the page can edit the path: its keyframes are numbers, not targets, files or days. */
+/** True if the page can edit the path: its keyframes are numbers, not targets, files, autorotation or days. */
 export const isEditablePath = (path: Path): boolean =>
-  path.keyframes !== undefined && path.keyframes.every((k) => k.targets === undefined && k.transform === undefined);
+  path.keyframes !== undefined &&
+  path.keyframes.every((k) => k.targets === undefined && k.transform === undefined && k.autorotate === undefined);
 
 /** Boundary options with a change; options that are undefined are removed. */
 export function withBoundary(boundary: Boundary, part: Partial<Boundary>): Boundary {

@@ -40,6 +40,11 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
                    "Minimum supported fraction of a segment's cut faces")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  command
+      ->add_option("--root", job->limits.root_mm,
+                   "Minimum distance of a cut from teeth and their roots [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->footer(
       "Example:\n"
       "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"

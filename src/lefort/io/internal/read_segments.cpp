@@ -4,6 +4,7 @@
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/markups_file.h>
 #include <lefort/io/transform_file.h>
+#include <lefort/plan/condylar_axis.h>
 #include <lefort/plan/make_keyframes.h>
 #include <lefort/plan/osteotomy_template.h>
 
@@ -181,12 +182,12 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
   plan::Osteotomy osteotomy;
   const bool has_cuts =
       json.contains("planes") || json.contains("curves") || json.contains("additional_regions");
-  if (json.contains("bone")) {
+  if (json.contains("bone") || json.contains("piece_at")) {
     if (has_cuts || json.contains("template") || json.contains("kerf_mm") ||
-        json.contains("anchor_points"))
+        json.contains("anchor_points") || (json.contains("bone") && json.contains("piece_at")))
       return bad(key,
-                 "bone moves a whole bone: planes, curves, additional_regions, template, "
-                 "kerf_mm and anchor_points are not allowed");
+                 "bone and piece_at move a whole bone: the other, planes, curves, "
+                 "additional_regions, template, kerf_mm and anchor_points are not allowed");
     osteotomy.segment = name;
     return osteotomy;
   }
@@ -241,6 +242,34 @@ Result<geometry::Keyframe> read_pose_file(const Json& json, const std::string& k
   return plan::keyframe_of_pose(X_LB, center_L ? *center_L : *context.anchor_L);
 }
 
+/// The center of rotation: a landmark of the plan, or the center of a condyle.
+Result<Vec3> center_of(const std::string& name, const std::string& key, const Context& context) {
+  const bool is_right = name == "condyle-R";
+  if (!is_right && name != "condyle-L") return landmark_of(name, key, context);
+  const auto axis = plan::condylar_axis(context.landmarks);
+  if (!axis) return bad(key, axis.error().message);
+  return is_right ? axis->right_L : axis->left_L;
+}
+
+/// The keyframe after autorotation of the mandible by `autorotate`.
+Result<geometry::Keyframe> autorotated(const Json& json, const std::string& key,
+                                       geometry::Keyframe keyframe, bool has_center,
+                                       const Context& context) {
+  const Json& turn = json["autorotate"];
+  const std::string turn_key = key + ".autorotate";
+  if (turn.contains("closing_deg") == turn.contains("gap_mm"))
+    return bad(turn_key, "must have either closing_deg or gap_mm");
+  if (turn.contains("to") && !turn.contains("gap_mm")) return bad(turn_key, "to is of gap_mm");
+  if (turn.contains("gap_mm"))
+    return bad(turn_key,
+               "gap_mm is for `lefort plan check` and `lefort predict` with a scan; here, use "
+               "closing_deg");
+  const auto axis = plan::condylar_axis(context.landmarks);
+  if (!axis) return bad(turn_key, axis.error().message);
+  if (!has_center) keyframe.center_L = axis->middle_L();
+  return plan::after_autorotation(*axis, turn["closing_deg"].get<double>(), keyframe);
+}
+
 Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& key,
                                          const Context& context) {
   const bool is_aimed = json.contains("targets"), is_file = json.contains("transform");
@@ -250,12 +279,15 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
   if (json.contains("about") && json.contains("about_mm"))
     return bad(key, "must have one of about and about_mm");
   if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
+  const bool is_autorotated = json.contains("autorotate");
+  if (is_autorotated && (is_aimed || is_file))
+    return bad(key, "autorotate excludes targets and transform");
   geometry::Keyframe keyframe = read_keyframes(Json::array({json}), "path_fraction").front();
   const double at = keyframe.path_fraction;
   std::optional<Vec3> center_L;
   if (json.contains("about_mm")) center_L = keyframe.center_L;
   if (json.contains("about")) {
-    LEFORT_TRY(center_L, landmark_of(json["about"].get<std::string>(), key + ".about", context));
+    LEFORT_TRY(center_L, center_of(json["about"].get<std::string>(), key + ".about", context));
   }
   if (is_aimed) {
     LEFORT_TRY(keyframe, aim(json, key, context));
@@ -267,6 +299,9 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
     keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.path_fraction), *center_L);
   } else if (center_L && !is_file) {
     keyframe.center_L = *center_L;
+  }
+  if (is_autorotated) {
+    LEFORT_TRY(keyframe, autorotated(json, key, keyframe, center_L.has_value(), context));
   }
   keyframe.path_fraction = at;
   return keyframe;
@@ -337,6 +372,10 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     plan::PlannedSegment one;
     LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
     one.is_whole_mandible = json["osteotomy"].contains("bone");  // The schema knows no other bone.
+    if (json["osteotomy"].contains("piece_at")) {
+      LEFORT_TRY(one.piece_at_L,
+                 point_of(json["osteotomy"]["piece_at"], key + ".osteotomy.piece_at", context));
+    }
     read(json["osteotomy"], "min_piece_ml", one.cut.min_piece_ml);
     read(json["osteotomy"], "min_piece_fraction", one.cut.min_piece_fraction);
     read(json, "cut_from", one.cut_from);

@@ -1,3 +1,4 @@
+#include <lefort/anatomy/find_teeth.h>
 #include <lefort/core/version.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
@@ -19,6 +20,7 @@
 #include <lefort/plan/bones_of_landmarks.h>
 #include <lefort/plan/cephalometrics.h>
 #include <lefort/predict/check_plan.h>
+#include <lefort/predict/root_distances.h>
 #include <lefort/report/plan_pictures.h>
 
 #include <fmt/format.h>
@@ -90,6 +92,8 @@ Result<io::PlanText> read_plan(const CheckPlanJob& job, Progress& progress) {
 struct Bones {
   geometry::TriangleMesh skull_L;
   std::optional<geometry::TriangleMesh> mandible_L{};
+  anatomy::LabelMap labels{};                ///< Of a scan.
+  std::optional<anatomy::ToothMap> teeth{};  ///< Of a scan with a labeled mandible.
 };
 
 /// The skull before the osteotomies: a surface, or the bone of a scan.
@@ -102,7 +106,12 @@ Result<Bones> find_skull(const CheckPlanJob& job, const io::PlanFile& plan, Prog
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
   LEFORT_TRY(ScannedHead head,
              scan_head(plan, ct, StageCache(job.cache.value_or(job.output / "cache")), progress));
-  return Bones{std::move(head.skull_L), std::move(head.mandible_L)};
+  Bones bones{std::move(head.skull_L), std::move(head.mandible_L)};
+  if (!has_mandible(head.labels)) return bones;
+  progress.begin_stage("find teeth");
+  bones.teeth = anatomy::find_teeth(head.scan.ct, head.labels, head.levels.bone_hu);
+  bones.labels = std::move(head.labels);
+  return bones;
 }
 
 /// Landmarks after surgery that move with bone.
@@ -129,6 +138,16 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
     after.known.push_back(std::move(landmark));
   }
   return after;
+}
+
+/// Adds the cuts that pass close to teeth, if these are known.
+void add_root_findings(const Bones& bones, const plan::CutSegments& cut, const io::PlanFile& plan,
+                       double limit_mm, predict::PlanCheck& check) {
+  if (!bones.teeth) return;
+  for (const predict::RootDistance& root :
+       predict::root_distances(cut, plan.segments, bones.labels, *bones.teeth, limit_mm))
+    check.findings.push_back(
+        {predict::FindingKind::kToothRoot, root.segment, predict::describe(root, limit_mm)});
 }
 
 using pipeline::as_json;
@@ -172,7 +191,8 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
            {{"overlap_mm", limits.overlap_mm},
             {"gap_mm", limits.gap_mm},
             {"support_mm", limits.support_mm},
-            {"support_fraction", limits.support_fraction}}},
+            {"support_fraction", limits.support_fraction},
+            {"root_mm", limits.root_mm}}},
           {"has_findings", !check.findings.empty()},
           {"findings", findings},
           {"overlaps", overlaps},
@@ -228,8 +248,9 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
                                 plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
   progress.begin_stage("check bone overlap");
-  LEFORT_TRY(const predict::PlanCheck check,
+  LEFORT_TRY(predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
+  add_root_findings(before, cut, plan, job.limits.root_mm, check);
 
   nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
   LEFORT_TRY(result["inputs"], provenance(job, plan_text, before.skull_L));

@@ -128,11 +128,11 @@ Result<void> CalibrationCase::prepare(std::span<const double> values, Progress& 
   prepared_values_.assign(values.begin(), values.end());
   if (face_) return {};
   const geometry::TriangleMesh& skin_L = prepared_->skin_L;
-  LEFORT_TRY(const CaseRegions regions, find_regions(*setup_, skin_L));
+  LEFORT_TRY(const std::vector<compare::FaceRegion> region_of, find_regions(*setup_, skin_L));
   const std::vector<double> areas_mm2 = compare::vertex_areas(skin_L);
   Face face{{}, {}, geometry::Bvh(setup_->skin_after_L)};
   for (std::size_t v = 0; v < areas_mm2.size(); ++v) {
-    if (regions.of_vertex[v] == compare::FaceRegion::kElsewhere || areas_mm2[v] == 0.0) continue;
+    if (region_of[v] == compare::FaceRegion::kElsewhere || areas_mm2[v] == 0.0) continue;
     face.vertices.push_back(v);
     face.area_mm2.push_back(areas_mm2[v]);
   }

@@ -51,7 +51,7 @@ struct CaseResult {
   std::string key;                       ///< Hash of all inputs and options.
   std::optional<std::string> failure{};  ///< Why there is no comparison.
   std::string movement{};                ///< "plan" or "achieved".
-  std::string regions_from{};            ///< "landmarks" or "estimate".
+  std::string regions_from{};            ///< "landmarks" or "automatic".
   std::string registered_on{};           ///< "bone" or "none": the skin was in frame L.
   std::vector<SegmentMovement> segments{};
   std::vector<RegionResult> regions{};

@@ -1,5 +1,6 @@
 #include <lefort/core/version.h>
 #include <lefort/geometry/pseudonormals.h>
+#include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/segmentation_file.h>
@@ -77,6 +78,7 @@ Result<nlohmann::ordered_json> make_case(const PhantomCohortJob& job, const Phan
   const anatomy::LabeledScan scan = phantom_scan(job, one);
   LEFORT_TRY_VOID(io::write_volume(folder / "before.nrrd", scan.ct));
   LEFORT_TRY_VOID(io::write_segmentation(folder / kPhantomLabels, scan.labels));
+  LEFORT_TRY_VOID(io::write_landmarks(folder / "landmarks.mrk.json", phantom_landmarks(one)));
   const std::string text = one.plan.dump(2) + "\n";
   LEFORT_TRY_VOID(io::write_text(folder / "plan.json", text));
   LEFORT_TRY(io::PlanFile plan, io::parse_plan(text, folder));

@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace lefort::pipeline {
 namespace {
@@ -151,6 +153,35 @@ anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job, const PhantomCase
     stretched_grid->origin_L = stretched_grid->origin_L.cwiseProduct(one.scale);
   }
   return scan;
+}
+
+plan::Landmarks phantom_landmarks(const PhantomCase& one) {
+  // Of the synthetic head: middle of its nose, height of Sn, and from there to soft menton.
+  constexpr double kMiddle_mm = 3.0, kSubnasale_mm = -43.0, kLowerFace_mm = 59.0;
+  constexpr double kFront_mm = -140.0, kStep_mm = 0.1;
+  plan::Landmarks landmarks;
+  const auto add = [&](const std::string& name, double lateral, double above) {
+    Vec3 p(kMiddle_mm + lateral * kLowerFace_mm, kFront_mm, kSubnasale_mm + above * kLowerFace_mm);
+    while (p.y() < 0.0 && anatomy::synthetic::skin(p) <= 0.0) p.y() += kStep_mm;
+    landmarks.push_back({name, p.cwiseProduct(one.scale)});
+  };
+  for (const auto& [name, above] :
+       std::initializer_list<std::pair<const char*, double>>{{"Prn", 0.16},
+                                                             {"N'", 0.75},
+                                                             {"Sn", 0.0},
+                                                             {"Stm", -1.0 / 3.0},
+                                                             {"Li", -0.45},
+                                                             {"Pg'", -0.75},
+                                                             {"Me'", -1.0}})
+    add(name, 0.0, above);
+  for (const double side : {-1.0, 1.0}) {
+    const std::string suffix = side < 0.0 ? "-R" : "-L";
+    add("Al" + suffix, 0.25 * side, 0.05);
+    add("En" + suffix, 0.24 * side, 0.65);
+    add("Ex" + suffix, 0.66 * side, 0.65);
+    add("Ch" + suffix, 0.37 * side, -1.0 / 3.0);
+  }
+  return landmarks;
 }
 
 }  // namespace lefort::pipeline

@@ -6,6 +6,7 @@
 #include <lefort/anatomy/head_from_surfaces.h>
 #include <lefort/core/types.h>
 #include <lefort/pipeline/validate.h>
+#include <lefort/plan/landmarks.h>
 
 #include <nlohmann/json.hpp>
 
@@ -48,6 +49,11 @@ inline constexpr const char* kPhantomLabels = "labels.seg.nrrd";
 /// The scan of a case and its true labels: the synthetic head, stretched by its scale.
 [[nodiscard]] anatomy::LabeledScan phantom_scan(const PhantomCohortJob& job,
                                                 const PhantomCase& one);
+
+/// Landmarks of the skin of the stretched synthetic head that define the regions of a face. It has
+/// no eyes and no mouth: heights and widths are mean proportions of adult faces \cite farkas1994
+/// between its nose and its chin, heuristic.
+[[nodiscard]] plan::Landmarks phantom_landmarks(const PhantomCase& one);
 
 /// Distance over which the error of a measured skin changes. Errors of neighboring vertices are
 /// equal in part: they come from voxels and from the filter of the segmentation.

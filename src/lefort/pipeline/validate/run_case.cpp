@@ -92,10 +92,9 @@ Result<void> compare_case(const CaseJob& job, const CaseSetup& setup, const fs::
   progress.begin_stage("compare with the achieved face");
   LEFORT_TRY(const TriangleMesh before_L, io::read_surface(prediction / "skin_before.vtp"));
   LEFORT_TRY(const TriangleMesh predicted_L, io::read_surface(prediction / "predicted_skin.vtp"));
-  LEFORT_TRY(const CaseRegions regions, find_regions(setup, before_L));
-  result.regions_from = regions.are_estimated ? "estimate" : "landmarks";
+  LEFORT_TRY(const std::vector<compare::FaceRegion> region_of, find_regions(setup, before_L));
+  result.regions_from = setup.are_landmarks_found ? "automatic" : "landmarks";
   const geometry::Bvh achieved_L(setup.skin_after_L);
-  const auto& region_of = regions.of_vertex;
   const compare::SurfaceDifference difference =
       compare::measure_difference(predicted_L, achieved_L);
   const auto predicted = compare::face_error(difference, region_of);

@@ -2,7 +2,6 @@
 #include <lefort/anatomy/head_from_surfaces.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/compare/compare_by_region.h>
-#include <lefort/compare/estimate_landmarks.h>
 #include <lefort/compare/recover_surgery.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/rigid_path.h>
@@ -13,12 +12,14 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/pipeline/validate/case_plan.h>
 #include <lefort/pipeline/validate/set_up_case.h>
 #include <lefort/plan/bone_bodies.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -127,6 +128,19 @@ Result<plan::Landmarks> landmarks_of(const CohortCase& one, const io::PlanFile& 
   return plan.landmarks;
 }
 
+/// Finds landmarks in the scan if those of the case do not define all regions. Names that the case
+/// has are not replaced.
+Result<void> find_missing_landmarks(const ScannedHead& head, CaseSetup& setup, Progress& progress) {
+  LEFORT_TRY(const compare::FaceRegions regions, compare::FaceRegions::from(setup.landmarks));
+  if (regions.missing().empty()) return {};
+  LEFORT_TRY(const plan::LandmarkSearch search,
+             find_head_landmarks(head.scan.ct, head.labels, head.levels, progress));
+  for (const plan::Landmark& found : search.landmarks())
+    if (!plan::find_landmark(setup.landmarks, found.name)) setup.landmarks.push_back(found);
+  setup.are_landmarks_found = true;
+  return {};
+}
+
 }  // namespace
 
 Result<CaseSetup> set_up_case(const CohortCase& one, const fs::path& work,
@@ -145,6 +159,7 @@ Result<CaseSetup> set_up_case(const CohortCase& one, const fs::path& work,
   LEFORT_TRY(setup.landmarks, landmarks_of(one, plan));
   LEFORT_TRY(const ScannedHead head,
              scan_head(plan, files.scan, StageCache(setup.cache), progress));
+  LEFORT_TRY_VOID(find_missing_landmarks(head, setup, progress));
   progress.begin_stage("cut the bone");
   LEFORT_TRY(setup.cut, plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
   const compare::PlannedBones bones = planned_bones(plan, setup.cut);
@@ -169,25 +184,23 @@ Result<CaseSetup> set_up_case(const CohortCase& one, const fs::path& work,
   return setup;
 }
 
-Result<CaseRegions> find_regions(const CaseSetup& setup, const TriangleMesh& skin_L) {
-  CaseRegions found;
-  LEFORT_TRY(compare::FaceRegions regions, compare::FaceRegions::from(setup.landmarks));
-  if (!regions.missing().empty()) {
-    TriangleMesh bone_L = setup.cut.remainder_L;
-    for (const TriangleMesh& segment_L : setup.cut.segments_L) plan::append(bone_L, segment_L);
-    LEFORT_TRY(const plan::Landmarks estimated, compare::estimate_landmarks(skin_L, bone_L));
-    LEFORT_TRY(regions, compare::FaceRegions::from(estimated));
-    found.are_estimated = true;
-  }
-  found.of_vertex = compare::regions_of(skin_L, nullptr, regions);
-  if (std::all_of(found.of_vertex.begin(), found.of_vertex.end(), [](compare::FaceRegion region) {
+Result<std::vector<compare::FaceRegion>> find_regions(const CaseSetup& setup,
+                                                      const TriangleMesh& skin_L) {
+  LEFORT_TRY(const compare::FaceRegions regions, compare::FaceRegions::from(setup.landmarks));
+  if (!regions.missing().empty())
+    return fail(ErrorCode::kAnatomyMissing,
+                fmt::format("landmarks that define regions of the face are neither in the case nor "
+                            "found in its scan: {}",
+                            fmt::join(regions.missing(), "; ")));
+  std::vector<compare::FaceRegion> of_vertex = compare::regions_of(skin_L, nullptr, regions);
+  if (std::all_of(of_vertex.begin(), of_vertex.end(), [](compare::FaceRegion region) {
         return region == compare::FaceRegion::kElsewhere;
       }))
     return fail(
         ErrorCode::kAnatomyMissing,
         "no point of the skin lies in a region of the face: are the landmarks of this head, "
         "and in LPS?");
-  return found;
+  return of_vertex;
 }
 
 }  // namespace lefort::pipeline

@@ -35,7 +35,9 @@ struct CaseSetup {
   geometry::TriangleMesh skin_after_L;
   /// Registration of the bone after surgery; none if only the skin is known, which is in frame L.
   std::optional<compare::Registration> registration{};
-  plan::Landmarks landmarks;  ///< Before surgery; may be empty.
+  /// Before surgery: of the case, and found in its scan if those do not define all regions.
+  plan::Landmarks landmarks;
+  bool are_landmarks_found = false;
 };
 
 /// Makes scan and labels if the case has surfaces only, cuts the bones, registers the head after
@@ -52,16 +54,12 @@ struct CaseSetup {
                                             const SetupOptions& options, Progress& progress);
 
 /// Regions of a face before surgery.
-struct CaseRegions {
-  std::vector<compare::FaceRegion> of_vertex;  ///< Of the skin before surgery.
-  bool are_estimated = false;                  ///< By compare::estimate_landmarks().
-};
-
-/// \param setup   its landmarks and bones are used.
+///
+/// \param setup   its landmarks are used.
 /// \param skin_L  before surgery.
-/// \returns the regions; the errors of FaceRegions::from() and estimate_landmarks(); or
-///   kAnatomyMissing if no vertex lies in a region.
-[[nodiscard]] Result<CaseRegions> find_regions(const CaseSetup& setup,
-                                               const geometry::TriangleMesh& skin_L);
+/// \returns the region of each vertex; or what FaceRegions::from() returns; or kAnatomyMissing if
+///   landmarks are missing, or no vertex lies in a region.
+[[nodiscard]] Result<std::vector<compare::FaceRegion>> find_regions(
+    const CaseSetup& setup, const geometry::TriangleMesh& skin_L);
 
 }  // namespace lefort::pipeline

@@ -20,6 +20,11 @@ struct HeadInF {
 inline const Vec3 kAnterior(0.0, -1.0, 0.0), kPosterior(0.0, 1.0, 0.0);
 inline const Vec3 kInferior(0.0, 0.0, -1.0), kSuperior(0.0, 0.0, 1.0);
 
+/// Directions to the incisal edges along the mean axes of incisors: 65 degrees (lower) and 111
+/// degrees (upper) to the Frankfurt horizontal \cite tweed1954 \cite jacobson2006.
+inline const Vec3 kLowerIncisorAxis(0.0, -0.4226, 0.9063);
+inline const Vec3 kUpperIncisorAxis(0.0, -0.3584, -0.9336);
+
 /// A bound beyond any head [mm].
 inline constexpr double kFar_mm = 1e3;
 
@@ -33,7 +38,7 @@ void find_midface(const HeadInF& head, const geometry::SurfaceCrossings& front,
 /// Zy and Po, by views from both sides.
 void find_lateral(const HeadInF& head, LandmarkList& list);
 
-/// Pg, Gn, Me, B, Go, Co; L1 and L6.
+/// Pg, Gn, Me, B, Go, Co, Cdl, Cdm; L1 and L6.
 void find_mandible_landmarks(const HeadInF& head, LandmarkList& list);
 
 /// Landmarks of the skin.
