@@ -1,5 +1,7 @@
+#include <lefort/io/internal/descriptor.h>
 #include <lefort/io/internal/dicom_codec.h>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -29,7 +31,7 @@ class DicomCodec : public ::testing::Test {
     write_dicom(file_, dicom_slices(sample_scan())[2]);
     test::compress_dicom(file_);
   }
-  [[nodiscard]] std::string error_message(const CodecLimits& limits, ErrorCode code,
+  [[nodiscard]] std::string error_message(const ReaderLimits& limits, ErrorCode code,
                                           Progress& progress = Progress::none()) const {
     const auto result = decode_dicom_pixels(file_, 35, progress, limits);
     if (result) return "decoded";
@@ -62,7 +64,9 @@ TEST_F(DicomCodec, StopsACodecThatNeedsTooMuchMemory) {
 
 TEST_F(DicomCodec, StopsACodecThatHangs) {
   std::filesystem::remove(file_);
-  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Without a writer, reading it blocks.
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
+  const Descriptor writer(
+      ::open(file_.c_str(), O_RDWR | O_CLOEXEC));  // Writes nothing: reads wait.
   EXPECT_TRUE(
       contains(error_message({.time = std::chrono::milliseconds(50)}, ErrorCode::kFileCorrupt),
                "longer than 50 ms"));

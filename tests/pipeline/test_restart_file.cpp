@@ -1,10 +1,15 @@
 #include <lefort/io/read_text.h>
+#include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cache/restart_file.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <string>
+#include <string_view>
 
 #include "support/temporary_folder.h"
 
@@ -64,6 +69,38 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   EXPECT_TRUE(read->contacts[0].tangent_planes[1].is_plane_constrained);
   ASSERT_TRUE(write_restart(again, *read));
   EXPECT_EQ(io::read_text(path, 1 << 20).value(), io::read_text(again, 1 << 20).value());
+}
+
+/// A file of another program has a valid SHA-256, too.
+TEST(RestartFile, ValuesThatAreNoneOfTheirTypeAreRejected) {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "steps.restart";
+  constexpr std::size_t kHead = 17 + 64;  // Magic and SHA-256.
+  const auto body_of = [&](bool is_constrained) {
+    predict::Restart restart = some_restart();
+    restart.contacts[0].tangent_planes[1].is_plane_constrained = is_constrained;
+    EXPECT_TRUE(write_restart(path, restart));
+    return io::read_text(path, 1 << 20).value();
+  };
+  const std::string whole = body_of(true), other = body_of(false);
+  const auto read_with = [&](std::string_view body) {
+    const std::string hash = io::Sha256().add(body).hex();
+    EXPECT_TRUE(io::write_text(path, whole.substr(0, 17) + hash + std::string(body)));
+    return read_restart(path);
+  };
+  const std::size_t at =
+      std::size_t(std::mismatch(whole.begin() + kHead, whole.end(), other.begin() + kHead).first -
+                  whole.begin());
+  ASSERT_EQ(whole[at], 1);
+  std::string body = whole.substr(kHead);
+  EXPECT_TRUE(read_with(body));
+  body[at - kHead] = 2;
+  EXPECT_FALSE(read_with(body));
+  // As many steps as bytes, each of which would be hundreds of bytes in memory.
+  std::string many(1 << 20, '\0');
+  const std::uint64_t count = many.size() - sizeof(count);
+  std::memcpy(many.data(), &count, sizeof(count));
+  EXPECT_FALSE(read_with(many));
 }
 
 TEST(RestartFile, ATruncatedOrDamagedFileIsRejected) {

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+
 #include "support/temporary_folder.h"
 
 namespace lefort::pipeline::test_stage_cache {
@@ -36,6 +39,25 @@ TEST(StageCache, MakesOnceAndReadsAfterwards) {
   EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
   EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
   EXPECT_EQ(stage.made, 1);
+}
+
+TEST(StageCache, KeepsTheFilesThatWereUsedLast) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  const auto key = [](int n) { return std::string(63, 'k').insert(0, 1, char('a' + n)); };
+  const auto now = fs::file_time_type::clock::now();
+  for (int n = 0; n < 8; ++n) {
+    ASSERT_TRUE(stage.get(key(n)));
+    fs::last_write_time(stage.cache.file("text.txt", key(n)), now - std::chrono::hours(9 - n));
+  }
+  ASSERT_TRUE(stage.get(key(0)));  // Used again: now key(1) is the oldest.
+  ASSERT_EQ(stage.made, 8);
+  ASSERT_TRUE(stage.get(key(8)));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "cache"), {}), 16);  // And digests.
+  EXPECT_FALSE(fs::exists(stage.cache.file("text.txt", key(1))));
+  ASSERT_TRUE(stage.get(key(0)));
+  ASSERT_TRUE(stage.get(key(2)));
+  EXPECT_EQ(stage.made, 9);
 }
 
 TEST(StageCache, OtherInputsAreRebuilt) {

@@ -14,6 +14,8 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "support/serve_here.h"
@@ -52,6 +54,7 @@ TEST(HttpServer, ServesThePageWithoutTokenAndTheCaseWithIt) {
         "Referrer-Policy: no-referrer", "X-Frame-Options: DENY"})
     EXPECT_NE(page.find(header), std::string::npos) << header;
   EXPECT_EQ(page.find(kToken), std::string::npos);
+  EXPECT_EQ(Served::status_of(served.call_api("DELETE /", "", "", false)), 405);
   const std::string answer = served.call_api("GET /api/v1/case");
   EXPECT_EQ(Served::status_of(answer), 200);
   EXPECT_NE(answer.find("Cache-Control: no-store"), std::string::npos);
@@ -277,6 +280,73 @@ TEST(HttpServer, IdleTimeStartsWithEachRequest) {
   }
   ::close(ends[0]);
   ::close(ends[1]);
+}
+
+/// A connection and the other end of its socket.
+struct ConnectedPair {
+  ConnectedPair() { EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0); }
+  ~ConnectedPair() {
+    ::close(ends[0]);
+    ::close(ends[1]);
+  }
+  ConnectedPair(const ConnectedPair&) = delete;
+  ConnectedPair& operator=(const ConnectedPair&) = delete;
+  int ends[2] = {-1, -1};
+};
+
+TEST(HttpServer, HidesRangesFromHttplib) {
+  const HttpLimits limits;
+  const std::string request =
+      "GET /range: HTTP/1.1\r\nRange: bytes=0-1\r\nHost: a\r\nrAnGe:x\r\n"
+      "X-Range: y\r\nRanger: z\r\n\r\n";
+  const std::string expected =
+      "GET /range: HTTP/1.1\r\nxange: bytes=0-1\r\nHost: a\r\nxAnGe:x\r\n"
+      "X-Range: y\r\nRanger: z\r\n\r\n";
+  for (const std::size_t at_once : {std::size_t{1}, std::size_t{3}, request.size()}) {
+    const ConnectedPair pair;
+    Connection connection(pair.ends[0], limits);
+    std::jthread client([&] {
+      for (std::size_t at = 0; at < request.size(); at += at_once)
+        static_cast<void>(
+            ::send(pair.ends[1], request.data() + at, std::min(at_once, request.size() - at), 0));
+    });
+    ASSERT_TRUE(connection.wait_for_request());
+    std::string found;
+    for (char c = 0; found.size() < request.size() && connection.read(&c, 1) == 1;) found += c;
+    EXPECT_EQ(found, expected) << at_once;
+  }
+  // 7 kB of ranges, which httplib would match with as many nested calls.
+  const Served served;
+  std::string ranges = "Range: bytes=0-1";
+  while (ranges.size() < 7000) ranges += ",0-1";
+  EXPECT_EQ(served.status("GET /api/v1/case", ranges + "\r\n"), 200);
+}
+
+TEST(HttpServer, ClientsThatDoNotReadCanBeEvicted) {
+  const HttpLimits limits;
+  const ConnectedPair pair;
+  Connection connection(pair.ends[0], limits);
+  ASSERT_EQ(::send(pair.ends[1], "G", 1, 0), 1);
+  ASSERT_TRUE(connection.wait_for_request());
+  char c = 0;
+  ASSERT_EQ(connection.read(&c, 1), 1);
+  connection.begin_body();
+  EXPECT_FALSE(connection.is_waiting());
+  const auto begun = Connection::Clock::now();
+  std::atomic<bool> is_ended = false;
+  std::jthread reply([&] {
+    const std::string bytes(1 << 16, 'x');
+    while (connection.write(bytes.data(), bytes.size()) >= 0) {
+    }
+    is_ended = true;
+  });
+  while (!connection.is_waiting()) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_GE(connection.since(), begun + milliseconds(1000));  // Evicted a second later.
+  EXPECT_FALSE(is_ended);
+  connection.abort();
+  reply.join();
+  EXPECT_TRUE(is_ended);
+  EXPECT_FALSE(connection.is_waiting());
 }
 
 TEST(HttpServer, EvictsSlowConnections) {

@@ -274,6 +274,39 @@ TEST(Uploads, AreStoredUnderGeneratedNamesAndWithinLimits) {
   EXPECT_EQ(send(three, "0", "x", "abc"), 201);
 }
 
+TEST(Uploads, AreKeptWhileAJobReadsThem) {
+  const test::TemporaryFolder folder;
+  Uploads uploads(folder.path(), {.uploads = 2});
+  const auto begin = [&] { return json::parse(uploads.begin().text)["id"].get<std::string>(); };
+  const auto send = [&](const std::string& id, int index) {
+    return uploads.put(id, index, "a.dcm", test::api_request("PUT", "/", "abc")).status;
+  };
+  const std::string id = begin();
+  EXPECT_FALSE(uploads.source(id));  // Empty.
+  ASSERT_EQ(send(id, 0), 201);
+  {
+    const auto source = uploads.source(id);
+    ASSERT_TRUE(source);
+    EXPECT_EQ(send(id, 1), 422);
+    begin();
+    begin();  // The third ends the first, which is still read.
+    EXPECT_TRUE(fs::exists(source->path() / "f00000.dcm"));
+    EXPECT_EQ(send(id, 1), 404);
+    EXPECT_FALSE(uploads.source(id));
+    EXPECT_EQ(uploads.remove(id).status, 404);
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / id));
+  const std::string other = begin();
+  ASSERT_EQ(send(other, 0), 201);
+  {
+    const auto first = uploads.source(other), second = uploads.source(other);
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(uploads.remove(other).status, 204);
+    EXPECT_TRUE(fs::exists(first->path()));
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / other));
+}
+
 TEST(EventBatcher, ReportsAllInOrderAtMostTenTimesASecond) {
   std::vector<json> batches;
   EventBatcher iterates([&](json batch) { batches.push_back(std::move(batch)); });

@@ -2,10 +2,10 @@
 #include <lefort/io/internal/dicom_header.h>
 #include <lefort/io/internal/http_get.h>
 #include <lefort/io/internal/multipart.h>
+#include <lefort/io/internal/private_folder.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <charconv>
@@ -260,28 +260,6 @@ Result<RemoteSeries> choose_series(const std::vector<RemoteSeries>& all, int num
   return *std::find_if(all.begin(), all.end(), is_ct_series);
 }
 
-/// A temporary folder that only this user can read, since images contain names. It is removed with
-/// its files at the end of its life.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::error_code error;
-    std::string name = (fs::temp_directory_path(error) / "lefort-XXXXXX").string();
-    if (!error && ::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }  ///< Empty if it could not be made.
-
- private:
-  fs::path path_;
-};
-
 /// Writes each part of a response into its own file.
 class ImageFiles {
  public:
@@ -425,12 +403,15 @@ Result<std::vector<DicomSeriesInfo>> list_dicomweb(const std::string& address,
 Result<ImportedVolume> read_dicomweb(const std::string& address, const Credentials& credentials,
                                      int series, Progress& progress, const DicomWebLimits& limits) {
   LEFORT_TRY(const StudyAddress study, parse_address(address, credentials));
+  if (!study.server.is_encrypted && !study.server.password.empty())
+    progress.note("the password is sent without encryption: use dicomwebs://");
   progress.begin_stage("list the series on the server");
   LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(study, progress, limits));
   LEFORT_TRY(const RemoteSeries chosen, choose_series(all, series));
 
   progress.begin_stage("fetch the images");
-  const PrivateFolder folder;
+  std::error_code no_parent;
+  const PrivateFolder folder(fs::temp_directory_path(no_parent));
   if (folder.path().empty())
     return fail(ErrorCode::kFileUnwritable,
                 "the temporary folder for the images cannot be created");

@@ -2,7 +2,9 @@
 #include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/hounsfield.h>
 #include <lefort/io/internal/plist.h>
+#include <lefort/io/internal/run_in_child.h>
 #include <lefort/io/internal/tar_reader.h>
+#include <lefort/io/internal/volume_header.h>
 #include <lefort/io/inv3.h>
 
 #include <fmt/format.h>
@@ -10,8 +12,10 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cstring>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 
 namespace lefort::io {
 namespace fs = std::filesystem;
@@ -23,10 +27,16 @@ static_assert(std::endian::native == std::endian::little, "matrix.dat is little-
 
 /// Properties of the voxels in main.plist.
 struct Project {
-  image::Grid grid;  ///< As stored: y points to anterior, so the grid is left-handed.
+  image::Grid grid;  ///< Sizes and spacing only.
   std::string matrix_file;
   bool is_axial;
 };
+
+/// Sets position and axes as they are stored: y points to anterior, so the grid is left-handed.
+void place_grid(image::Grid& grid) {
+  grid.direction(1, 1) = -1.0;
+  grid.origin_L.y() = grid.spacing_mm.y() * static_cast<double>(grid.size[1] - 1);
+}
 
 template <class T>
 std::optional<T> number_at(const FlatPlist& plist, const std::string& place) {
@@ -73,42 +83,77 @@ Result<Project> read_project(const std::string& xml) {
   if (project.matrix_file.empty() || !plain)
     return fail(ErrorCode::kFileCorrupt, "main.plist has no valid file name of the voxels");
   project.is_axial = number_at<int>(plist, "orientation").value_or(1) == 1;
-  project.grid.direction(1, 1) = -1.0;
-  project.grid.origin_L.y() =
-      project.grid.spacing_mm.y() * static_cast<double>(project.grid.size[1] - 1);
   return project;
+}
+
+/// The task of a child: sizes and spacing of the grid, whether the slices are axial, the voxels.
+Result<void> inv3_in_child(int input, std::string_view /*request*/, ResultWriter& result) {
+  LEFORT_TRY(const std::string xml, read_from_tar(input, "main.plist", kMaxPlist));
+  const auto project = read_project(xml);
+  if (!project)
+    return fail(project.error().code,
+                fmt::format("InVesalius project: {}", project.error().message));
+  const std::size_t bytes =
+      static_cast<std::size_t>(project->grid.voxel_count()) * sizeof(std::int16_t);
+  LEFORT_TRY(const std::string matrix, read_from_tar(input, project->matrix_file, bytes));
+  if (matrix.size() != bytes)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("InVesalius project: the voxels have {} bytes, expected {} from the "
+                            "shape in main.plist",
+                            matrix.size(), bytes));
+  for (const Index size : project->grid.size) result.number(std::int64_t{size});
+  for (const double spacing_mm : project->grid.spacing_mm) result.number(spacing_mm);
+  result.number(std::int32_t{project->is_axial});
+  result.bytes(matrix.data(), bytes);
+  return {};
+}
+
+/// Reads the result of inv3_in_child().
+Result<image::CtVolume> take_project(ResultReader& result, bool& is_axial) {
+  const auto damaged = [] { return tl::unexpected(damaged_result("the contents of the project")); };
+  image::CtVolume ct;
+  bool is_complete = true;
+  for (Index& size : ct.grid.size) is_complete = is_complete && result.number(size);
+  for (double& spacing_mm : ct.grid.spacing_mm)
+    is_complete = is_complete && result.number(spacing_mm);
+  std::int32_t axial = 0;
+  if (!is_complete || !result.number(axial)) return damaged();
+  is_axial = axial != 0;
+  LEFORT_TRY_VOID(image::check_grid(ct.grid));
+  place_grid(ct.grid);
+  ct.values.resize(static_cast<std::size_t>(ct.grid.voxel_count()));
+  if (!result.bytes(ct.values.data(), ct.values.size() * sizeof(std::int16_t)) || !result.at_end())
+    return damaged();
+  return ct;
 }
 
 }  // namespace
 
 Result<ImportedVolume> read_inv3(const fs::path& file, Progress& progress) {
   progress.begin_stage("read the scan");
-  LEFORT_TRY(const std::string xml, read_from_tar(file, "main.plist", kMaxPlist, progress));
-  const auto project = read_project(xml);
-  if (!project)
-    return fail(project.error().code,
-                fmt::format("InVesalius project: {}", project.error().message));
-  progress.report(0.1);
-
-  const auto voxels = static_cast<std::size_t>(project->grid.voxel_count());
-  const std::size_t bytes = voxels * sizeof(std::int16_t);
-  LEFORT_TRY(const std::string matrix, read_from_tar(file, project->matrix_file, bytes, progress));
-  if (matrix.size() != bytes)
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("InVesalius project: the voxels have {} bytes, expected {} from the "
-                            "shape in main.plist",
-                            matrix.size(), bytes));
-  progress.report(0.8);
-
+  std::error_code error;
+  if (!fs::is_regular_file(file, error))
+    return fail(ErrorCode::kFileNotFound, "the file does not exist or is not a regular file");
+  LEFORT_TRY(const OpenedFile input, open_input(file, "the file"));
+  const std::uint64_t unpacked = std::min(input.bytes * kMaxGzipRatio, kMaxUnpacked);
+  // The text of an entry doubles its memory when it grows.
+  LEFORT_TRY(ReaderValues values,
+             run_in_child(input.descriptor,
+                          {inv3_in_child,
+                           "the contents of the project",
+                           {},
+                           limits_of(unpacked / kMaxInflatedPerText, 3 * unpacked)},
+                          progress));
+  bool is_axial = true;
   ImportedVolume imported;
   imported.source_kind = "InVesalius project";
-  imported.ct = {project->grid, std::vector<std::int16_t>(voxels)};
-  std::memcpy(imported.ct.values.data(), matrix.data(), bytes);
+  LEFORT_TRY(imported.ct, take_project(*values, is_axial));
+  progress.report(0.8);
   HounsfieldCount count;
   for (std::int16_t& value : imported.ct.values) value = hounsfield(value, count);
   flip_axis(imported.ct, 1);
   imported.warnings = hounsfield_warnings(count, imported.ct);
-  if (!project->is_axial)
+  if (!is_axial)
     imported.warnings.emplace_back(
         "the project was not made from axial slices: check left and right");
   progress.report(1.0);

@@ -24,9 +24,6 @@ using internal::find_array;
 using internal::XmlArrays;
 using mesh::ElementShape;
 
-// About ten million elements with a few fields.
-constexpr std::uintmax_t kMaxVtuBytes = std::uintmax_t(4) << 30;
-
 constexpr std::string_view kSet = "set:";
 const std::string kRegion = "region";
 
@@ -241,13 +238,13 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
 
 }  // namespace
 
-Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::string& regions) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxVtuBytes));
+Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::string& regions,
+                                  Progress& progress) {
   const std::string name = "mesh " + file.string();
   std::vector<internal::WantedArray> wanted = kVtuArrays;
   wanted.push_back({"CellData", regions.empty() ? kRegion : regions});
   LEFORT_TRY(const XmlArrays arrays,
-             internal::parse_vtk_xml(bytes, name, "UnstructuredGrid", wanted));
+             internal::read_vtk_xml(file, name, "UnstructuredGrid", wanted, progress));
   auto mesh = convert(arrays, regions);
   if (!mesh) return fail(mesh.error().code, fmt::format("{}: {}", name, mesh.error().message));
   return mesh;
@@ -255,10 +252,9 @@ Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::
 
 Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
                                            const std::string& name) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxVtuBytes));
   const std::string subject = "mesh " + file.string();
   LEFORT_TRY(const XmlArrays arrays,
-             internal::parse_vtk_xml(bytes, subject, "UnstructuredGrid", {{"PointData", name}}));
+             internal::read_vtk_xml(file, subject, "UnstructuredGrid", {{"PointData", name}}));
   const auto* values = find_array(arrays, 1, "PointData", name);
   if (arrays.pieces != 1 || values == nullptr || values->size() % 3 != 0 ||
       !std::all_of(values->begin(), values->end(), [](double v) { return std::isfinite(v); }))

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/mesh/volume_mesh.h>
 
@@ -20,18 +21,21 @@ namespace lefort::io {
 ///
 /// Both numberings of wedges are read (internal/wedge_order.h).
 ///
-/// \param file     with at least one element; little-endian, uncompressed or zlib.
-/// \param regions  the cell array of region numbers; if empty, "region" if it exists, else all
+/// \param file      with at least one element; little-endian, uncompressed or zlib.
+/// \param regions   the cell array of region numbers; if empty, "region" if it exists, else all
 ///   regions are 0.
+/// \param progress  may request a stop.
 /// \returns the mesh, with the coordinates of the file, which count as mm in frame L, or
 ///   - kFileNotFound     the file does not exist;
 ///   - kFileCorrupt      not a complete VTU, no element, a missing node, a coordinate that is not
 ///                       finite, a set array with other numbers than 0 and 1, no array `regions`,
 ///                       or inconsistent arrays;
 ///   - kMeshInvalid      a face of no element, a face twice in a set, or an element in a set;
+///   - kCancelled        `progress` requested a stop;
 ///   - kFileUnsupported  a shape the solver does not support, another byte order or compressor.
 [[nodiscard]] Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file,
-                                                const std::string& regions = {});
+                                                const std::string& regions = {},
+                                                Progress& progress = Progress::none());
 
 /// Reads a vector per node that write_vtu() has written, for example "displacement_mm".
 ///

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/io/internal/run_in_child.h>
 #include <lefort/io/internal/surface_formats.h>
 #include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
@@ -9,6 +10,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace lefort::io {
@@ -31,13 +35,60 @@ Error unsupported(const fs::path& path) {
           fmt::format("{} must end in .vtp, .stl, .ply or .obj", path.string())};
 }
 
-Result<internal::SurfaceFile> parse(const fs::path& path, const std::string& bytes) {
-  const std::string name = path.filename().string();
-  const std::string ending = ending_of(path);
+const std::string kSurfaceContents = "the contents of the file";
+
+Result<internal::SurfaceFile> parse(std::string_view ending, const std::string& name,
+                                    std::string_view bytes) {
   if (ending == ".vtp") return internal::parse_vtp(bytes, name);
   if (ending == ".stl") return internal::parse_stl(bytes, name);
   if (ending == ".ply") return internal::parse_ply(bytes, name);
   return internal::parse_obj(bytes, name);
+}
+
+/// The task of a child. \param request  four characters of the ending, and the name in messages.
+Result<void> surface_in_child(int input, std::string_view request, ResultWriter& result) {
+  constexpr std::size_t kEnding = 4;
+  if (request.size() < kEnding) return tl::unexpected(damaged_result(kSurfaceContents));
+  LEFORT_TRY(const std::string bytes, read_all(input, kSurfaceContents));
+  LEFORT_TRY(const internal::SurfaceFile surface,
+             parse(request.substr(0, kEnding), std::string(request.substr(kEnding)), bytes));
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  static_assert(sizeof(geometry::Triangle) == 3 * sizeof(std::int32_t));
+  result.number(std::int32_t{surface.is_ras});
+  result.number(static_cast<std::uint64_t>(surface.vertices.size()));
+  result.bytes(surface.vertices.data(), surface.vertices.size() * sizeof(Vec3));
+  result.number(static_cast<std::uint64_t>(surface.triangles.size()));
+  result.bytes(surface.triangles.data(), surface.triangles.size() * sizeof(geometry::Triangle));
+  return {};
+}
+
+/// Reads the result of surface_in_child(); false if it is damaged.
+bool take_surface(ResultReader& result, internal::SurfaceFile& surface) {
+  std::int32_t is_ras = 0;
+  std::size_t count = 0;
+  if (!result.number(is_ras) || !result.count(count, sizeof(Vec3))) return false;
+  surface.is_ras = is_ras != 0;
+  surface.vertices.resize(count);
+  if (!result.bytes(surface.vertices.data(), count * sizeof(Vec3)) ||
+      !result.count(count, sizeof(geometry::Triangle)))
+    return false;
+  surface.triangles.resize(count);
+  return result.bytes(surface.triangles.data(), count * sizeof(geometry::Triangle)) &&
+         result.at_end();
+}
+
+Result<internal::SurfaceFile> read_in_child(const fs::path& path, Progress& progress) {
+  constexpr std::uint64_t kMemoryPerByte = 200;  // As of VTK's files.
+  LEFORT_TRY(const OpenedFile input, open_input(path, kMaxSurfaceBytes));
+  LEFORT_TRY(
+      ReaderValues values,
+      run_in_child(input.descriptor,
+                   {surface_in_child, kSurfaceContents, ending_of(path) + path.filename().string(),
+                    limits_of(input.bytes, kMemoryPerByte * input.bytes)},
+                   progress));
+  internal::SurfaceFile surface;
+  if (!take_surface(*values, surface)) return tl::unexpected(damaged_result(kSurfaceContents));
+  return surface;
 }
 
 Result<void> check(const internal::SurfaceFile& surface, const std::string& name) {
@@ -85,13 +136,12 @@ Result<void> check_writable(const fs::path& path, const geometry::TriangleMesh& 
 
 }  // namespace
 
-Result<geometry::TriangleMesh> read_surface(const fs::path& path) {
+Result<geometry::TriangleMesh> read_surface(const fs::path& path, Progress& progress) {
   const std::string ending = ending_of(path);
   if (ending != ".vtp" && ending != ".stl" && ending != ".ply" && ending != ".obj")
     return tl::unexpected(unsupported(path));
   const std::string name = path.filename().string();
-  LEFORT_TRY(const std::string bytes, read_text(path, kMaxSurfaceBytes));
-  LEFORT_TRY(internal::SurfaceFile surface, parse(path, bytes));
+  LEFORT_TRY(internal::SurfaceFile surface, read_in_child(path, progress));
   LEFORT_TRY_VOID(check(surface, name));
   if (surface.is_ras)
     for (Vec3& p : surface.vertices) p.head<2>() *= -1.0;  // A rotation: preserves orientation.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -26,13 +27,16 @@ struct VertexArray {
 /// a closed one must check. Coordinates are in LPS unless the file contains the comment `SPACE=RAS`
 /// of 3D Slicer; then they are converted.
 ///
-/// \param path  of the surface.
+/// \param path      of the surface.
+/// \param progress  requests to stop.
 /// \returns the mesh, or
 ///   - kFileNotFound     the file does not exist;
 ///   - kFileUnsupported  another ending;
 ///   - kFileCorrupt      not of its format, truncated, or a coordinate is not finite;
-///   - kMeshInvalid      no triangle.
-[[nodiscard]] Result<geometry::TriangleMesh> read_surface(const std::filesystem::path& path);
+///   - kMeshInvalid      no triangle;
+///   - kCancelled        `progress` requested a stop.
+[[nodiscard]] Result<geometry::TriangleMesh> read_surface(const std::filesystem::path& path,
+                                                          Progress& progress = Progress::none());
 
 /// Writes a surface atomically in the formats of read_surface(), STL and PLY in binary.
 ///

@@ -4,22 +4,14 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
-
 namespace lefort::io {
-namespace {
-
-constexpr std::uintmax_t kMaxArrayBytes = std::uintmax_t(4) << 30;  // Bytes.
-
-}  // namespace
 
 Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
                                               const std::string& name) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxArrayBytes));
   const std::string subject = "surface " + file.string();
   LEFORT_TRY(
       const internal::XmlArrays arrays,
-      internal::parse_vtk_xml(bytes, subject, "PolyData", {{"Points", ""}, {"PointData", name}}));
+      internal::read_vtk_xml(file, subject, "PolyData", {{"Points", ""}, {"PointData", name}}));
   const auto* const points = internal::find_array(arrays, 1, "Points", "");
   const auto* const values = internal::find_array(arrays, 1, "PointData", name);
   if (arrays.pieces != 1 || points == nullptr || values == nullptr ||

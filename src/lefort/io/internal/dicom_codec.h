@@ -4,25 +4,19 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/io/internal/reader_sandbox.h>
 
-#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <vector>
 
 namespace lefort::io {
 
-/// Limits of decoding one slice; the slowest codecs need one second.
-struct CodecLimits {
-  std::chrono::milliseconds time{30'000};           ///< Wall-clock time and processor time.
-  std::size_t memory_bytes = std::size_t{1} << 30;  ///< In addition to that of this process.
-};
-
 /// Decodes the pixels of a file with one frame and one value per pixel.
 ///
-/// GDCM runs in a child process, since damaged streams make its codecs abort, print and write to
-/// invalid memory. A few wrong bytes can also cause minutes of computation or fill the memory,
-/// hence the limits.
+/// GDCM runs in a child process (run_in_child.h), since damaged streams make its codecs abort,
+/// print and write to invalid memory. A few wrong bytes can also cause minutes of computation or
+/// fill the memory, hence the limits; the slowest codecs need one second per slice.
 ///
 /// \param file      a DICOM file.
 /// \param pixels    expected number.
@@ -33,6 +27,6 @@ struct CodecLimits {
 [[nodiscard]] Result<std::vector<double>> decode_dicom_pixels(const std::filesystem::path& file,
                                                               std::size_t pixels,
                                                               Progress& progress = Progress::none(),
-                                                              const CodecLimits& limits = {});
+                                                              const ReaderLimits& limits = {});
 
 }  // namespace lefort::io

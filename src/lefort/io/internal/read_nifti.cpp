@@ -1,7 +1,10 @@
+#include <lefort/io/internal/run_in_child.h>
 #include <lefort/io/internal/volume_header.h>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,15 +17,17 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
 namespace lefort::io {
-namespace fs = std::filesystem;
-
 namespace {
 
+const std::string kVoxels = "the voxels";
+/// Of the largest grid (image/check_grid.h) with values of eight bytes.
+constexpr std::uint64_t kMaxVoxelBytes = std::uint64_t{8} << 31;
 constexpr std::size_t kNiftiChunk = 1 << 20;
 /// Relative tolerance of lengths and tolerance of angles, since files round both.
 constexpr double kFormTolerance = 1e-3;
@@ -265,12 +270,10 @@ Result<RawVolume> volume_of(const NiftiHeader& header, std::uint64_t file_bytes)
 
 /// Reads the next bytes of a gzip stream into all of `target`.
 ///
-/// \returns the number of bytes that were read, smaller at the end of the stream, or kCancelled.
-Result<std::uint64_t> read_all(gzFile stream, std::span<std::byte> target, Progress& progress) {
+/// \returns the number of bytes that were read, smaller at the end of the stream.
+std::uint64_t fill_from(gzFile stream, std::span<std::byte> target) {
   std::uint64_t found = 0;
   while (found < target.size()) {
-    if (progress.stop_requested())
-      return fail(ErrorCode::kCancelled, "reading the voxels was stopped");
     const std::size_t step = std::min(kNiftiChunk, target.size() - std::size_t(found));
     const int got = gzread(stream, target.data() + found, static_cast<unsigned>(step));
     if (got <= 0) break;
@@ -279,17 +282,58 @@ Result<std::uint64_t> read_all(gzFile stream, std::span<std::byte> target, Progr
   return found;
 }
 
+/// The task of a child.
+Result<void> nifti_in_child(int input, std::string_view /*request*/, ResultWriter& result) {
+  LEFORT_TRY(const RawVolume volume, decode_nifti(input));
+  const image::Grid& grid = volume.grid;
+  result.number(static_cast<std::int32_t>(volume.type));
+  for (const Index size : grid.size) result.number(std::int64_t{size});
+  for (const double spacing_mm : grid.spacing_mm) result.number(spacing_mm);
+  for (const double coordinate : grid.origin_L) result.number(coordinate);
+  for (const double cosine : grid.direction.reshaped()) result.number(cosine);
+  result.bytes(volume.bytes.get(),
+               static_cast<std::size_t>(volume.value_count()) * scalar_bytes(volume.type));
+  return {};
+}
+
+/// Reads the result of nifti_in_child().
+Result<RawVolume> take_volume(ResultReader& result) {
+  const Error damaged = damaged_result(kVoxels);
+  RawVolume volume;
+  image::Grid& grid = volume.grid;
+  std::int32_t type = -1;
+  bool is_complete = result.number(type);
+  for (Index& size : grid.size) is_complete = is_complete && result.number(size);
+  for (double& spacing_mm : grid.spacing_mm) is_complete = is_complete && result.number(spacing_mm);
+  for (double& coordinate : grid.origin_L) is_complete = is_complete && result.number(coordinate);
+  for (double& cosine : grid.direction.reshaped())
+    is_complete = is_complete && result.number(cosine);
+  constexpr auto kLastType = static_cast<std::int32_t>(ScalarType::kDouble);
+  if (!is_complete || type < 0 || type > kLastType) return tl::unexpected(damaged);
+  volume.type = static_cast<ScalarType>(type);
+  LEFORT_TRY_VOID(check_either_hand(grid));
+  const std::size_t bytes =
+      static_cast<std::size_t>(volume.value_count()) * scalar_bytes(volume.type);
+  volume.bytes.reset(static_cast<std::byte*>(std::malloc(bytes)));
+  if (volume.bytes == nullptr)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} bytes of voxels do not fit into memory", bytes));
+  if (!result.bytes(volume.bytes.get(), bytes) || !result.at_end()) return tl::unexpected(damaged);
+  return volume;
+}
+
 }  // namespace
 
-Result<RawVolume> read_nifti(const fs::path& file, Progress& progress) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
+Result<RawVolume> decode_nifti(int input) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzdopen(::dup(input), "rb"), gzclose);
   std::array<char, NiftiHeader::kSize> start{};
   if (stream == nullptr || gzread(stream.get(), start.data(), NiftiHeader::kSize) !=
                                static_cast<int>(NiftiHeader::kSize))
     return fail(ErrorCode::kFileCorrupt, "the header is incomplete, expected that of a NIfTI file");
   const NiftiHeader header(start);
-  std::error_code error;
-  LEFORT_TRY(RawVolume volume, volume_of(header, fs::file_size(file, error)));
+  struct stat status {};
+  if (::fstat(input, &status) != 0) return tl::unexpected(damaged_result(kVoxels));
+  LEFORT_TRY(RawVolume volume, volume_of(header, static_cast<std::uint64_t>(status.st_size)));
 
   // Up to the voxels there are extensions, which are not read.
   const auto skipped = static_cast<std::uint64_t>(
@@ -303,7 +347,7 @@ Result<RawVolume> read_nifti(const fs::path& file, Progress& progress) {
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{} bytes of voxels do not fit into memory", bytes));
   const std::span<std::byte> target(volume.bytes.get(), bytes);
-  LEFORT_TRY(const std::uint64_t found, read_all(stream.get(), target, progress));
+  const std::uint64_t found = fill_from(stream.get(), target);
   if (found < bytes) return tl::unexpected(missing_voxels(found, bytes));
   std::array<char, 4096> rest{};  // To the end of the stream, where zlib compares the checksum.
   if (gzread(stream.get(), rest.data(), static_cast<unsigned>(rest.size())) < 0)
@@ -315,6 +359,19 @@ Result<RawVolume> read_nifti(const fs::path& file, Progress& progress) {
                             volume.value_count()));
   LEFORT_TRY_VOID(rescale(volume, header.scale(), header.offset()));
   return volume;
+}
+
+Result<RawVolume> read_nifti(const std::filesystem::path& file, Progress& progress) {
+  LEFORT_TRY(const OpenedFile input, open_input(file, "the file"));
+  const std::uint64_t unpacked = std::min(input.bytes * kMaxGzipRatio, kMaxVoxelBytes);
+  // Voxels, those after rescaling, and a result of the same size.
+  LEFORT_TRY(
+      ReaderValues values,
+      run_in_child(
+          input.descriptor,
+          {nifti_in_child, kVoxels, {}, limits_of(unpacked / kMaxInflatedPerText, 3 * unpacked)},
+          progress));
+  return take_volume(*values);
 }
 
 }  // namespace lefort::io

@@ -1,19 +1,21 @@
 #include <lefort/image/check_grid.h>
 #include <lefort/io/internal/header_lines.h>
+#include <lefort/io/internal/run_in_child.h>
 #include <lefort/io/internal/volume_header.h>
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace lefort::io {
-namespace fs = std::filesystem;
-
 namespace {
 
 constexpr std::size_t kVoxelChunk = 1 << 20;
@@ -27,29 +29,36 @@ Error stopped() { return {ErrorCode::kCancelled, "reading the voxels was stopped
 /// The stored bytes in order.
 class StoredBytes {
  public:
-  StoredBytes(const fs::path& file, std::uint64_t begin, std::uint64_t count)
-      : stream_(file, std::ios::binary), left_(count), chunk_(kVoxelChunk) {
-    stream_.seekg(static_cast<std::streamoff>(begin));
-  }
+  StoredBytes(int file, std::uint64_t begin, std::uint64_t count)
+      : file_(file), at_(begin), left_(count) {}
   /// Reads `target.size()` bytes; false if there are fewer.
   bool read(std::span<std::byte> target) {
-    if (target.size() > left_) return false;
-    left_ -= target.size();
-    stream_.read(reinterpret_cast<char*>(target.data()), std::streamsize(target.size()));
-    return bool(stream_);
+    while (!target.empty()) {
+      const std::size_t got = some(target.data(), target.size());
+      if (got == 0) return false;
+      target = target.subspan(got);
+    }
+    return true;
   }
   /// Returns the next bytes, at most one megabyte; nothing at the end.
   std::span<char> next() {
-    const auto wanted = std::size_t(std::min<std::uint64_t>(left_, chunk_.size()));
-    stream_.read(chunk_.data(), std::streamsize(wanted));
-    left_ -= std::uint64_t(stream_.gcount());
-    return std::span(chunk_).first(std::size_t(stream_.gcount()));
+    chunk_.resize(kVoxelChunk);
+    return std::span(chunk_).first(some(chunk_.data(), chunk_.size()));
   }
   [[nodiscard]] std::uint64_t left() const { return left_; }
 
  private:
-  std::ifstream stream_;
-  std::uint64_t left_;
+  std::size_t some(void* target, std::size_t wanted) {
+    wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left_, wanted));
+    const ssize_t got = ::pread(file_, target, wanted, static_cast<off_t>(at_));
+    const auto count = static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+    at_ += count;
+    left_ -= count;
+    return count;
+  }
+
+  int file_;
+  std::uint64_t at_, left_;
   std::vector<char> chunk_;
 };
 
@@ -62,17 +71,22 @@ Result<void> copy_voxels(StoredBytes& stored, std::span<std::byte> target, Progr
   return {};
 }
 
-/// Decompresses a zlib stream or the members of a gzip file, which must fill `target` exactly, with
-/// valid checksums.
-///
-/// \param is_exact  there is one stream, and no byte after it.
-Result<void> inflate_voxels(StoredBytes& stored, std::span<std::byte> target, bool is_exact,
-                            Progress& progress) {
+/// What a child decompresses.
+struct DeflatedVoxels {
+  std::uint64_t begin = 0, stored = 0;  ///< First byte and number of compressed bytes.
+  std::uint64_t bytes = 0;              ///< Of the voxels.
+  std::uint64_t is_exact = 0;           ///< There is one stream, and no byte after it.
+};
+
+/// Decompresses a zlib stream or the members of a gzip file, which must have exactly the voxels,
+/// with valid checksums.
+Result<void> inflate_voxels(StoredBytes& stored, const DeflatedVoxels& expected,
+                            ResultWriter& result) {
   z_stream zip{};
   if (inflateInit2(&zip, 15 + 32) != Z_OK) return tl::unexpected(damaged_voxels());  // Either kind.
   const std::unique_ptr<z_stream, int (*)(z_stream*)> cleanup(&zip, inflateEnd);
-  std::byte surplus{};  // Where bytes beyond the expected ones would go.
-  std::size_t at = 0;
+  std::vector<Bytef> unpacked(kVoxelChunk);
+  std::uint64_t left = expected.bytes;
   const auto refill = [&] {
     if (zip.avail_in > 0) return true;
     const std::span<char> packed = stored.next();
@@ -81,23 +95,46 @@ Result<void> inflate_voxels(StoredBytes& stored, std::span<std::byte> target, bo
     return !packed.empty();
   };
   while (true) {
-    if (progress.stop_requested()) return tl::unexpected(stopped());
     if (!refill()) return tl::unexpected(damaged_voxels());
-    const std::size_t step = std::min(kVoxelChunk, target.size() - at);
-    zip.next_out = reinterpret_cast<Bytef*>(step > 0 ? target.data() + at : &surplus);
-    zip.avail_out = static_cast<uInt>(std::max<std::size_t>(step, 1));
-    const uInt room = zip.avail_out;
+    // At the end there is room for one byte, which must not be written.
+    const auto room = static_cast<uInt>(std::clamp<std::uint64_t>(left, 1, unpacked.size()));
+    zip.next_out = unpacked.data();
+    zip.avail_out = room;
     const int state = inflate(&zip, Z_NO_FLUSH);
     const uInt written = room - zip.avail_out;
-    if ((state != Z_OK && state != Z_STREAM_END) || (step == 0 && written > 0))
+    if ((state != Z_OK && state != Z_STREAM_END) || written > left)
       return tl::unexpected(damaged_voxels());
-    if (step > 0) at += written;
+    result.bytes(unpacked.data(), written);
+    left -= written;
     if (state != Z_STREAM_END) continue;
-    if (at == target.size()) break;
-    if (is_exact || !refill() || inflateReset(&zip) != Z_OK)
+    if (left == 0) break;
+    if (expected.is_exact != 0 || !refill() || inflateReset(&zip) != Z_OK)
       return tl::unexpected(damaged_voxels());
   }
-  if (is_exact && (zip.avail_in > 0 || stored.left() > 0)) return tl::unexpected(damaged_voxels());
+  if (expected.is_exact != 0 && (zip.avail_in > 0 || stored.left() > 0))
+    return tl::unexpected(damaged_voxels());
+  return {};
+}
+
+/// The task of a child. \param request  a DeflatedVoxels.
+Result<void> inflate_in_child(int input, std::string_view request, ResultWriter& result) {
+  DeflatedVoxels expected;
+  if (request.size() != sizeof(expected)) return tl::unexpected(damaged_voxels());
+  std::memcpy(&expected, request.data(), sizeof(expected));
+  StoredBytes stored(input, expected.begin, expected.stored);
+  return inflate_voxels(stored, expected, result);
+}
+
+Result<void> read_deflated(const OpenedFile& input, const DeflatedVoxels& expected,
+                           std::span<std::byte> target, Progress& progress) {
+  const std::string request(reinterpret_cast<const char*>(&expected), sizeof(expected));
+  LEFORT_TRY(ReaderValues values,
+             run_in_child(input.descriptor,
+                          {inflate_in_child, "the voxels", request,
+                           limits_of(expected.bytes / kMaxInflatedPerText, expected.bytes)},
+                          progress));
+  if (!values->bytes(target.data(), target.size()) || !values->at_end())
+    return tl::unexpected(damaged_voxels());
   return {};
 }
 
@@ -159,11 +196,11 @@ Result<void> read_voxels(VolumeHeader& header, Progress& progress) {
   const auto values = static_cast<std::uint64_t>(volume.value_count());
   const std::size_t width = scalar_bytes(volume.type);
   const std::uint64_t bytes = values * width;
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(storage.file, error);
+  LEFORT_TRY(const OpenedFile input, open_input(storage.file, "the file of the voxels"));
+  const std::uint64_t size = input.bytes;
   std::uint64_t begin = storage.begin;
   if (storage.is_at_end) begin = std::max(begin, size - std::min(size, bytes));
-  const std::uint64_t found = error || size < begin ? 0 : size - begin;
+  const std::uint64_t found = size < begin ? 0 : size - begin;
   if (!can_contain(found, storage.encoding, bytes, values))
     return tl::unexpected(storage.encoding == VoxelEncoding::kRaw ? missing_voxels(found, bytes)
                                                                   : damaged_voxels());
@@ -176,12 +213,13 @@ Result<void> read_voxels(VolumeHeader& header, Progress& progress) {
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{} bytes of voxels do not fit into memory", bytes));
   const std::span<std::byte> target(volume.bytes.get(), bytes);
-  StoredBytes stored(storage.file, begin, found);
+  StoredBytes stored(input.descriptor.number(), begin, found);
   if (storage.encoding == VoxelEncoding::kText) return parse_text(stored, volume.type, target);
   if (storage.encoding == VoxelEncoding::kRaw)
     LEFORT_TRY_VOID(copy_voxels(stored, target, progress));
   if (storage.encoding == VoxelEncoding::kDeflated)
-    LEFORT_TRY_VOID(inflate_voxels(stored, target, storage.is_one_stream, progress));
+    LEFORT_TRY_VOID(
+        read_deflated(input, {begin, found, bytes, storage.is_one_stream}, target, progress));
   if (storage.is_big_endian != (std::endian::native == std::endian::big))
     reverse_bytes(target, width);
   return {};

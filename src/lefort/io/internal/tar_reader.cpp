@@ -1,6 +1,7 @@
 #include <lefort/io/internal/tar_reader.h>
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -9,13 +10,10 @@
 #include <optional>
 
 namespace lefort::io {
-namespace fs = std::filesystem;
-
 namespace {
 
 constexpr std::size_t kBlock = 512;
 constexpr std::size_t kTarChunk = 1 << 20;
-constexpr std::uint64_t kMaxUnpacked = std::uint64_t{8} << 30;
 
 using TarBlock = std::array<char, kBlock>;
 
@@ -60,7 +58,9 @@ std::optional<Entry> parse_header(const TarBlock& block) {
 /// The uncompressed bytes of the archive in order.
 class Stream {
  public:
-  explicit Stream(const fs::path& archive) : file_(gzopen(archive.c_str(), "rb"), gzclose) {}
+  explicit Stream(int archive) : file_(nullptr, gzclose) {
+    if (::lseek(archive, 0, SEEK_SET) == 0) file_.reset(gzdopen(::dup(archive), "rb"));
+  }
 
   /// Reads `count` bytes; false if there are fewer.
   bool read(char* target, std::size_t count) {
@@ -76,13 +76,11 @@ class Stream {
 
 /// Reads `size` bytes and the padding of their last block; returns them if `keep` is set, otherwise
 /// an empty string.
-Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Progress& progress) {
+Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep) {
   std::string body;
   std::string chunk;
   const std::uint64_t padded = (size + kBlock - 1) / kBlock * kBlock;
   for (std::uint64_t done = 0; done < padded;) {
-    if (progress.stop_requested())
-      return fail(ErrorCode::kCancelled, "reading the archive was stopped");
     chunk.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kTarChunk, padded - done)));
     if (!stream.read(chunk.data(), chunk.size()))
       return fail(ErrorCode::kFileCorrupt, "the archive is truncated or damaged");
@@ -96,11 +94,7 @@ Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Pro
 
 }  // namespace
 
-Result<std::string> read_from_tar(const fs::path& archive, std::string_view name,
-                                  std::uint64_t max_bytes, Progress& progress) {
-  std::error_code error;
-  if (!fs::is_regular_file(archive, error))
-    return fail(ErrorCode::kFileNotFound, "the file does not exist or is not a regular file");
+Result<std::string> read_from_tar(int archive, std::string_view name, std::uint64_t max_bytes) {
   Stream stream(archive);
   for (TarBlock block; stream.read(block.data(), kBlock);) {
     if (std::all_of(block.begin(), block.end(), [](char c) { return c == '\0'; })) break;
@@ -112,7 +106,7 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("{} in the archive has {} bytes, expected at most {}",
                               wanted ? name : "an entry", entry->size, limit));
-    LEFORT_TRY(std::string body, read_body(stream, entry->size, wanted, progress));
+    LEFORT_TRY(std::string body, read_body(stream, entry->size, wanted));
     if (wanted) return body;
   }
   return fail(ErrorCode::kFileCorrupt, fmt::format("the archive has no entry {}", name));

@@ -68,12 +68,17 @@ struct VolumeHeader {
 
 /// Upper bound of the compression ratio of gzip; the largest possible one is 1032.
 inline constexpr std::uint64_t kMaxGzipRatio = 1100;
+/// Inflated bytes in the time of a byte of text (limits_of()): 320 and 20 MB/s.
+inline constexpr std::uint64_t kMaxInflatedPerText = 16;
 
 /// check_grid() that also allows left-handed grids.
 [[nodiscard]] Result<void> check_either_hand(image::Grid grid);
 
 /// Reverses the bytes of every value.
 void reverse_bytes(std::span<std::byte> bytes, std::size_t width);
+
+/// As read_nifti(), in this process, for a child. \param input  descriptor of a regular file.
+[[nodiscard]] Result<RawVolume> decode_nifti(int input);
 
 /// Returns the error for missing voxels.
 [[nodiscard]] Error missing_voxels(std::uint64_t found, std::uint64_t expected);

@@ -3,8 +3,9 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 
-#include <map>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,20 @@ struct XmlArrays {
 /// this piece.
 [[nodiscard]] const std::vector<double>* find_array(const XmlArrays& file, int piece,
                                                     std::string_view parent, std::string_view name);
+
+/// Reads a file of at most 4 GiB, about ten million elements with a few fields, and decodes the
+/// arrays of `wanted` in a child process (run_in_child.h).
+///
+/// \param file      to read.
+/// \param subject   the file in messages, singular.
+/// \param type      of the VTK file: PolyData, ...
+/// \param wanted    arrays to decode.
+/// \param progress  requests to stop.
+/// \returns as parse_vtk_xml(); kFileNotFound; or kCancelled.
+[[nodiscard]] Result<XmlArrays> read_vtk_xml(const std::filesystem::path& file,
+                                             const std::string& subject, const std::string& type,
+                                             const std::vector<WantedArray>& wanted,
+                                             Progress& progress = Progress::none());
 
 /// Decodes the arrays of `wanted` only: text, base64 or appended, zlib or uncompressed,
 /// little-endian.

@@ -5,7 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
@@ -33,6 +37,23 @@ Result<void> check_digest(const fs::path& file) {
   if (stored == digest_line(sha256, file)) return {};
   return fail(ErrorCode::kFileCorrupt,
               fmt::format("{} does not have its SHA-256", file.filename().string()));
+}
+
+void remove_oldest(const fs::path& folder, const std::string& name, std::size_t kept) {
+  std::error_code error;
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code gone;
+    if (!entry->path().filename().string().ends_with(name)) continue;
+    if (const auto written = entry->last_write_time(gone); !gone)
+      files.emplace_back(written, entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  for (std::size_t n = 0; n + kept < files.size(); ++n) {
+    fs::remove(digest_file(files[n].second), error);
+    fs::remove(files[n].second, error);
+  }
 }
 
 }  // namespace lefort::pipeline

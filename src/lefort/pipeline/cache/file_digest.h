@@ -4,7 +4,9 @@
 
 #include <lefort/core/error.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 
 namespace lefort::pipeline {
 
@@ -20,5 +22,11 @@ namespace lefort::pipeline {
 /// \returns nothing if the bytes of `file` have the stored SHA-256; kFileNotFound if `file` or
 ///   digest_file() is missing; otherwise kFileCorrupt.
 [[nodiscard]] Result<void> check_digest(const std::filesystem::path& file);
+
+/// Removes the oldest files of one name in a cache, with their digests, until `kept` remain.
+///
+/// \param folder  of the cache.
+/// \param name    ending of the file names after their key: "-tissue.vtu".
+void remove_oldest(const std::filesystem::path& folder, const std::string& name, std::size_t kept);
 
 }  // namespace lefort::pipeline

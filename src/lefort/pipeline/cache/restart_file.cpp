@@ -39,6 +39,11 @@ class Writer {
     auto size = std::uint64_t(list.size());
     (*this)(size);
   }
+  template <class Item, class Write>
+  void items(std::vector<Item>& list, const Write& write) {
+    size_of(list);
+    for (Item& item : list) write(item);
+  }
   [[nodiscard]] std::string take() { return std::move(text_); }
 
  private:
@@ -52,6 +57,12 @@ class Reader {
   template <class Number>
   requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
   void operator()(Number& number) { raw(&number, sizeof(number)); }
+  void operator()(bool& is_set) {
+    std::uint8_t byte = 0;
+    raw(&byte, sizeof(byte));
+    is_whole_ = is_whole_ && byte <= 1;
+    is_set = byte == 1;
+  }
   void raw(void* data, std::size_t bytes) {
     is_whole_ = is_whole_ && bytes <= text_.size();
     if (!is_whole_ || bytes == 0) return;
@@ -62,8 +73,16 @@ class Reader {
   void size_of(List& list) {
     std::uint64_t size = 0;
     (*this)(size);
-    is_whole_ = is_whole_ && size <= text_.size();  // An entry has at least one byte.
+    is_whole_ = is_whole_ && size <= text_.size() / sizeof(*list.data());
     if (is_whole_) list.resize(static_cast<decltype(list.size())>(size));
+  }
+  /// Reads the items of a list, whose memory grows with the bytes that are read.
+  template <class Item, class Read>
+  void items(std::vector<Item>& list, const Read& read) {
+    std::uint64_t size = 0;
+    (*this)(size);
+    for (; size > 0 && is_whole_ && !text_.empty(); --size) read(list.emplace_back());
+    is_whole_ = is_whole_ && size == 0;
   }
   [[nodiscard]] bool is_whole() const { return is_whole_ && text_.empty(); }
 
@@ -99,8 +118,7 @@ void visit(Archive& archive, Vec3& vector) {
 
 template <class Archive, class Item>
 void visit(Archive& archive, std::vector<Item>& list) {
-  archive.size_of(list);
-  for (Item& item : list) visit(archive, item);
+  archive.items(list, [&](Item& item) { visit(archive, item); });
 }
 
 template <class Archive>

@@ -17,7 +17,7 @@ namespace lefort::pipeline {
 /// A folder of intermediate results. Files are written atomically, so an interrupted run leaves
 /// only complete files. Beside each file is its SHA-256, which is checked before the file is read:
 /// most formats have no checksum, and a wrong bit of a mesh would change the predicted face
-/// unnoticed.
+/// unnoticed. Of each name the files that were used last are kept.
 class StageCache {
  public:
   explicit StageCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -45,7 +45,11 @@ class StageCache {
     if (std::filesystem::exists(path, error)) {
       progress.begin_stage(fmt::format("read {} from the cache", name));
       if (check_digest(path))
-        if (auto kept = read(path)) return kept;
+        if (auto kept = read(path)) {
+          std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now(),
+                                           error);
+          return kept;
+        }
       progress.note(fmt::format("{} is damaged and is computed again", path.filename().string()));
     }
     auto made = make();
@@ -55,10 +59,13 @@ class StageCache {
     Result<void> kept = write(path, *made);
     if (kept) kept = write_digest(path);
     if (!kept) progress.note(fmt::format("{} is not cached: {}", name, kept.error().message));
+    remove_oldest(folder_, "-" + name, kMaxFiles);
     return made;
   }
 
  private:
+  static constexpr std::size_t kMaxFiles = 8;  ///< Of one name: as many plans can be compared.
+
   std::filesystem::path folder_;
 };
 

@@ -57,8 +57,8 @@ Result<fs::path> surface_of(const fs::path& face) {
   return face / "predicted_skin.vtp";
 }
 
-Result<TriangleMesh> read_face(const fs::path& file) {
-  LEFORT_TRY(TriangleMesh face_L, io::read_surface(file));
+Result<TriangleMesh> read_face(const fs::path& file, Progress& progress) {
+  LEFORT_TRY(TriangleMesh face_L, io::read_surface(file, progress));
   LEFORT_TRY_VOID(geometry::check_surface(face_L));
   return face_L;
 }
@@ -185,11 +185,11 @@ struct Faces {
   [[nodiscard]] const TriangleMesh* before() const { return before_L ? &*before_L : nullptr; }
 };
 
-Result<Faces> read_faces(const CompareJob& job, const Inputs& inputs) {
-  LEFORT_TRY(TriangleMesh face_L, read_face(inputs.face));
+Result<Faces> read_faces(const CompareJob& job, const Inputs& inputs, Progress& progress) {
+  LEFORT_TRY(TriangleMesh face_L, read_face(inputs.face, progress));
   std::optional<TriangleMesh> before_L;
   if (inputs.before) {
-    LEFORT_TRY(before_L, read_face(*inputs.before));
+    LEFORT_TRY(before_L, read_face(*inputs.before, progress));
   }
   LEFORT_TRY(plan::Landmarks landmarks, find_landmarks(job));
   LEFORT_TRY(FaceRegions regions, FaceRegions::from(landmarks));
@@ -261,7 +261,7 @@ Result<void> write_files(const CompareJob& job, const Faces& faces, const Measur
 Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   LEFORT_TRY(const Inputs inputs, find_inputs(job));
   progress.begin_stage("read the faces");
-  LEFORT_TRY(const Faces faces, read_faces(job, inputs));
+  LEFORT_TRY(const Faces faces, read_faces(job, inputs, progress));
   const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, inputs));
 
@@ -271,7 +271,7 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
     LEFORT_TRY(surgery, find_surgery(job.face, *job.after_ct, job.output / "cache", progress));
     other_L = surgery->skin_L;
   } else {
-    LEFORT_TRY(other_L, read_face(*inputs.other));
+    LEFORT_TRY(other_L, read_face(*inputs.other, progress));
   }
   progress.begin_stage("measure the difference");
   LEFORT_TRY(const Measured measured, measure(faces, std::move(other_L), progress));

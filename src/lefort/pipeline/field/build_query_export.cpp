@@ -27,7 +27,7 @@ std::string row(const Vec3& p, field::Zone zone, double distance_mm, const Vec3&
 
 Result<Summary> build_field(const BuildFieldJob& job, Progress& progress) {
   progress.begin_stage("read the surface");
-  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(job.surface));
+  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(job.surface, progress));
   progress.begin_stage("build the distance field");
   LEFORT_TRY(const field::DistanceField distance,
              field::build_distance_field(surface, job.options, progress));

@@ -59,7 +59,7 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
   LEFORT_TRY(const field::DistanceField distance, io::read_field(job.field));
   geometry::TriangleMesh surface;
   if (job.mesh) {
-    LEFORT_TRY(surface, io::read_surface(*job.mesh));
+    LEFORT_TRY(surface, io::read_surface(*job.mesh, progress));
   }
 
   progress.begin_stage("sample the field");

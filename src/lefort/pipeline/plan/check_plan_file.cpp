@@ -100,7 +100,7 @@ struct Bones {
 Result<Bones> find_skull(const CheckPlanJob& job, const io::PlanFile& plan, Progress& progress) {
   if (job.skull) {
     progress.begin_stage("read the skull");
-    LEFORT_TRY(geometry::TriangleMesh skull_L, io::read_surface(*job.skull));
+    LEFORT_TRY(geometry::TriangleMesh skull_L, io::read_surface(*job.skull, progress));
     return Bones{std::move(skull_L)};
   }
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));

@@ -89,7 +89,7 @@ Result<DistanceQueryPtr> detect_obstacle(const io::ObstacleFile& file,
     if (is_field)
       return fail(ErrorCode::kInvalidArgument,
                   "detection bvh requires the surface, not its distance field");
-    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file, progress));
     LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
     return contact::bvh_distance_query(
         std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),

@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -64,15 +65,16 @@ Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, P
   pipeline::ImportJob import{{}, ct, job.parameters.value("series", 0)};
   const bool is_example = job.parameters.contains("example");
   const std::string upload = job.parameters.value("upload", "");
+  std::optional<Uploads::Source> source;
   if (is_example) {
     if (!context.example)
       return fail(ErrorCode::kFileNotFound,
                   "the example's scan is not installed (Debian's invesalius-examples)");
     import.source = *context.example;
   } else {
-    const auto source = context.uploads.source(upload);
+    source = context.uploads.source(upload);
     if (!source) return fail(ErrorCode::kFileNotFound, "no such upload, or the upload is empty");
-    import.source = *source;
+    import.source = source->path();
   }
   LEFORT_TRY(pipeline::Summary summary, pipeline::import_scan(import, progress));
   LEFORT_TRY(const std::string ct_sha256, io::sha256_of_file(ct));
@@ -271,7 +273,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
                                .landmarks = {},
                                .output = folder.comparison(),
                                .pictures = true};
-  (is_surface(*other) ? compare.other : compare.after_ct) = *other;
+  (is_surface(other->path()) ? compare.other : compare.after_ct) = other->path();
   if (there_is(folder.landmarks())) compare.landmarks = folder.landmarks();
   LEFORT_TRY(const pipeline::Summary summary, pipeline::compare_faces(compare, progress));
   if (inputs) LEFORT_TRY_VOID(folder.record_inputs("comparison", *inputs));

@@ -75,9 +75,10 @@ Uploads::Uploads(fs::path folder, UploadLimits limits)
 
 Response Uploads::begin() {
   const std::scoped_lock lock(mutex_);
-  while (uploads_.size() >= std::size_t(limits_.uploads))
-    drop(std::min_element(uploads_.begin(), uploads_.end(), [](const auto& a, const auto& b) {
-           return a.second.order < b.second.order;
+  const auto is_kept = [](const auto& upload) { return !upload.second.is_removed; };
+  while (std::count_if(uploads_.begin(), uploads_.end(), is_kept) >= limits_.uploads)
+    drop(std::min_element(uploads_.begin(), uploads_.end(), [&](const auto& a, const auto& b) {
+           return std::pair(!is_kept(a), a.second.order) < std::pair(!is_kept(b), b.second.order);
          })->first);
   const std::string id = random_hex(16);
   std::error_code error;
@@ -103,7 +104,8 @@ std::optional<Response> Uploads::check_file(int index, const Request& request) c
 
 std::optional<Response> Uploads::reserve(const std::string& id, const Request& request) {
   const std::scoped_lock lock(mutex_);
-  if (!uploads_.contains(id)) return no_upload();
+  const auto upload = uploads_.find(id);
+  if (upload == uploads_.end() || upload->second.is_removed) return no_upload();
   if (bytes() + reserved_ + request.content_length > limits_.all_bytes)
     return error_response(
         413, "too_large",
@@ -150,8 +152,10 @@ Response Uploads::store(const std::string& id, int index, const std::string& nam
   const std::scoped_lock lock(mutex_);
   std::error_code error;
   const auto upload = uploads_.find(id);
-  if (upload == uploads_.end())
+  if (upload == uploads_.end() || upload->second.is_removed)
     return error_response(400, "bad_request", "the upload was removed meanwhile");
+  if (upload->second.readers > 0)
+    return error_response(422, "invalid", "a job is reading this upload: start another one");
   if (const auto older = upload->second.files.find(index); older != upload->second.files.end())
     fs::remove(folder_ / id / older->second.first, error);
   fs::rename(temporary, folder_ / id / name, error);
@@ -162,24 +166,38 @@ Response Uploads::store(const std::string& id, int index, const std::string& nam
 
 Response Uploads::remove(const std::string& id) {
   const std::scoped_lock lock(mutex_);
-  if (!uploads_.contains(id)) return no_upload();
+  const auto upload = uploads_.find(id);
+  if (upload == uploads_.end() || upload->second.is_removed) return no_upload();
   drop(id);
   Response reply;
   reply.status = 204;
   return reply;
 }
 
-std::optional<fs::path> Uploads::source(const std::string& id) const {
+std::optional<Uploads::Source> Uploads::source(const std::string& id) {
   const std::scoped_lock lock(mutex_);
   const auto upload = uploads_.find(id);
-  if (upload == uploads_.end() || upload->second.files.empty()) return std::nullopt;
+  if (upload == uploads_.end() || upload->second.is_removed || upload->second.files.empty())
+    return std::nullopt;
+  ++upload->second.readers;
   const auto& files = upload->second.files;
   const std::string& first = files.begin()->second.first;
   const bool is_dicom = first.find('.') == std::string::npos || first.ends_with(".dcm");
-  return files.size() == 1 && !is_dicom ? folder_ / id / first : folder_ / id;
+  return std::optional<Source>(
+      std::in_place, *this, id,
+      files.size() == 1 && !is_dicom ? folder_ / id / first : folder_ / id);
+}
+
+void Uploads::release(const std::string& id) {
+  const std::scoped_lock lock(mutex_);
+  Upload& upload = uploads_.at(id);
+  if (--upload.readers == 0 && upload.is_removed) drop(id);
 }
 
 void Uploads::drop(const std::string& id) {
+  Upload& upload = uploads_.at(id);
+  upload.is_removed = true;
+  if (upload.readers > 0) return;
   std::error_code error;
   fs::remove_all(folder_ / id, error);
   uploads_.erase(id);

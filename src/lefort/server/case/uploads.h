@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace lefort::server {
 
@@ -37,9 +38,32 @@ class Uploads {
   /// \returns 204, or 404.
   [[nodiscard]] Response remove(const std::string& id);
 
-  /// The input of a job: the single file, or the folder of DICOM files. Nothing if there is no such
-  /// upload or it is empty.
-  [[nodiscard]] std::optional<std::filesystem::path> source(const std::string& id) const;
+  /// The input of a job. While it exists its files are neither removed nor replaced: a folder
+  /// without its last slices would be a shorter scan.
+  class Source {
+   public:
+    Source(Uploads& uploads, std::string id, std::filesystem::path path)
+        : uploads_(&uploads), id_(std::move(id)), path_(std::move(path)) {}
+    Source(Source&& other) noexcept { *this = std::move(other); }
+    Source& operator=(Source&& other) noexcept {
+      std::swap(uploads_, other.uploads_);
+      std::swap(id_, other.id_);
+      std::swap(path_, other.path_);
+      return *this;
+    }
+    ~Source() {
+      if (uploads_ != nullptr) uploads_->release(id_);
+    }
+    /// The single file, or the folder of DICOM files.
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+   private:
+    Uploads* uploads_ = nullptr;
+    std::string id_;
+    std::filesystem::path path_;
+  };
+  /// \returns nothing if there is no such upload or it is empty.
+  [[nodiscard]] std::optional<Source> source(const std::string& id);
 
   [[nodiscard]] const UploadLimits& limits() const { return limits_; }
 
@@ -47,6 +71,8 @@ class Uploads {
   struct Upload {
     std::uint64_t order = 0;
     std::map<int, std::pair<std::string, std::uint64_t>> files;  ///< Name and bytes.
+    int readers = 0;                                             ///< Number of its Source objects.
+    bool is_removed = false;                                     ///< As soon as it has no reader.
   };
   [[nodiscard]] std::optional<Response> check_file(int index, const Request& request) const;
   /// Reserves the length of the body, or returns the error.
@@ -54,7 +80,9 @@ class Uploads {
   /// Moves a received file into the folder of its upload.
   [[nodiscard]] Response store(const std::string& id, int index, const std::string& name,
                                const std::filesystem::path& temporary, std::uint64_t bytes);
+  /// Removes an upload, at the latest when its last reader ends.
   void drop(const std::string& id);
+  void release(const std::string& id);
   [[nodiscard]] std::uint64_t bytes() const;
 
   const std::filesystem::path folder_;

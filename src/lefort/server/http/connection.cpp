@@ -4,8 +4,11 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <string_view>
 
 namespace lefort::server {
 namespace {
@@ -13,6 +16,7 @@ namespace {
 constexpr std::size_t kBuffer = 16 << 10;    // Bytes read at a time.
 constexpr std::size_t kDrained = 256 << 10;  // Bytes of a rejected body that are read.
 constexpr auto kDrainTime = std::chrono::milliseconds(500);
+constexpr auto kReplyGrace = std::chrono::seconds(1);
 
 std::chrono::milliseconds time_for(double bytes, double bytes_per_s) {
   return std::chrono::milliseconds(std::int64_t(1000.0 * bytes / bytes_per_s));
@@ -24,6 +28,7 @@ Connection::Connection(int socket, const HttpLimits& limits) : socket_(socket), 
 
 bool Connection::wait_for_request() {
   phase_ = Phase::kHeader;
+  is_line_start_ = true;
   moved_ = 0.0;
   since_ = Clock::now();  // Before waiting: not since the previous request.
   is_waiting_ = true;
@@ -87,16 +92,44 @@ bool Connection::is_writable() const {
   return wait_for(POLLOUT, Clock::now() + limits_.stall_time);
 }
 
-ssize_t Connection::read(char* to, size_t size) {
-  if (at_ == buffer_.size()) {
-    if (!wait_for(POLLIN, deadline())) return -1;
-    buffer_.resize(kBuffer);
-    const ssize_t count = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
-    buffer_.resize(std::size_t(std::max<ssize_t>(count, 0)));
-    at_ = 0;
-    if (count <= 0) return count;
+ssize_t Connection::receive() {
+  if (!wait_for(POLLIN, deadline())) return -1;
+  buffer_.erase(0, at_);
+  at_ = 0;
+  const std::size_t held = buffer_.size();
+  buffer_.resize(held + kBuffer);
+  const ssize_t count = ::recv(socket_, buffer_.data() + held, kBuffer, 0);
+  buffer_.resize(held + std::size_t(std::max<ssize_t>(count, 0)));
+  return count;
+}
+
+/// Renames the header "Range" at the start of a line, which this server does not support. httplib
+/// parses it by a regular expression, recursively for each character, before any check of ours
+/// (fixed by its pull request 1812).
+void Connection::hide_range() {
+  constexpr std::string_view kRange = "range:";
+  const auto rest = [this] { return std::string_view(buffer_).substr(at_); };
+  const auto is_beginning = [&] {
+    const std::string_view start = rest().substr(0, kRange.size());
+    return std::equal(start.begin(), start.end(), kRange.begin(),
+                      [](char c, char lower) { return std::tolower(std::uint8_t(c)) == lower; });
+  };
+  while (is_beginning()) {
+    if (rest().size() >= kRange.size()) buffer_[at_] = 'x';
+    if (rest().size() < kRange.size() && receive() <= 0) return;
   }
-  const std::size_t taken = std::min(size, buffer_.size() - at_);
+}
+
+ssize_t Connection::read(char* to, size_t size) {
+  if (at_ == buffer_.size())
+    if (const ssize_t count = receive(); count <= 0) return count;
+  const bool in_header = phase_ == Phase::kHeader;
+  if (in_header && is_line_start_) hide_range();
+  // Of a header, at most one line.
+  const std::size_t end =
+      in_header ? std::min(buffer_.find('\n', at_), buffer_.size() - 1) + 1 : buffer_.size();
+  const std::size_t taken = std::min(size, end - at_);
+  is_line_start_ = in_header && taken > 0 && buffer_[at_ + taken - 1] == '\n';
   moved_ += double(taken);
   if (phase_ == Phase::kHeader && moved_ > double(limits_.header_bytes)) return -1;
   std::memcpy(to, buffer_.data() + at_, taken);
@@ -111,7 +144,12 @@ ssize_t Connection::write(const char* from, size_t size) {
     begun_ = Clock::now();
     moved_ = 0.0;
   }
-  if (!wait_for(POLLOUT, deadline())) return -1;
+  // A client that does not read is evicted if others wait for the thread.
+  since_ = Clock::now() + kReplyGrace;
+  is_waiting_ = true;
+  const bool is_ready = wait_for(POLLOUT, deadline());
+  is_waiting_ = false;
+  if (!is_ready) return -1;
   const ssize_t count = ::send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
   if (count > 0) moved_ += double(count);
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return 0;

@@ -34,9 +34,10 @@ class Connection final : public httplib::Stream {
   /// Starts the phase of events: no total timeout, only a timeout for each piece.
   void begin_events() { phase_ = Phase::kEvents; }
 
-  /// Whether the connection occupies a thread without a complete request header.
+  /// Whether the connection occupies a thread without a complete request header, or with a client
+  /// that does not read the response.
   [[nodiscard]] bool is_waiting() const { return is_waiting_; }
-  /// Time at which the wait for a request header began. \pre is_waiting().
+  /// Time at which the wait began; for a response, one second later. \pre is_waiting().
   [[nodiscard]] Clock::time_point since() const { return since_.load(); }
 
   /// Ends the connection, from another thread. \pre the socket is open.
@@ -48,19 +49,22 @@ class Connection final : public httplib::Stream {
   /// Whether the rest of the stream is invalid: no further request is read from it.
   bool must_close = false;
 
-  bool is_readable() const override;
-  bool is_writable() const override;
+  [[nodiscard]] bool is_readable() const override;
+  [[nodiscard]] bool is_writable() const override;
   ssize_t read(char* to, size_t size) override;
   ssize_t write(const char* from, size_t size) override;
   void get_remote_ip_and_port(std::string& ip, int& port) const override;
   void get_local_ip_and_port(std::string& ip, int& port) const override;
-  socket_t socket() const override { return socket_; }
+  [[nodiscard]] socket_t socket() const override { return socket_; }
 
  private:
   enum class Phase { kHeader, kBody, kReply, kEvents };
   /// Deadline of the next piece.
   [[nodiscard]] Clock::time_point deadline() const;
   [[nodiscard]] bool wait_for(short events, Clock::time_point until) const;
+  /// Receives more bytes behind those of the buffer. \returns the result of recv(), or -1.
+  ssize_t receive();
+  void hide_range();
 
   const int socket_;
   const HttpLimits& limits_;
@@ -71,6 +75,7 @@ class Connection final : public httplib::Stream {
   std::atomic<Clock::time_point> since_ = Clock::now();
   std::string buffer_;
   std::size_t at_ = 0;
+  bool is_line_start_ = true;  ///< Of a header: the next byte is the first of a line.
 };
 
 }  // namespace lefort::server

@@ -261,7 +261,10 @@ bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response
     return true;
   }
   Response reply;
-  if (const PageFile* const file = find_page_file(request.path)) {
+  if (request.method != "GET" && request.method != "HEAD") {
+    reply =
+        error_response(405, "not_allowed", "this method is not supported for this path", "method");
+  } else if (const PageFile* const file = find_page_file(request.path)) {
     reply = binary_response({nullptr, file->bytes});
     reply.type = file->type;
   } else {

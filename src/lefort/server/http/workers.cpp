@@ -1,5 +1,6 @@
 #include <lefort/server/http/workers.h>
 
+#include <exception>
 #include <utility>
 
 namespace lefort::server {
@@ -70,7 +71,10 @@ void Workers::work() {
     if (idle_ == 0 && !tasks_.empty()) wake_evictor_.notify_one();
     is_sending_away = is_ending_;
     lock.unlock();
-    task();
+    try {
+      task();
+    } catch (const std::exception&) {  // Out of memory: this connection ends, not the server.
+    }
     lock.lock();
   }
 }
