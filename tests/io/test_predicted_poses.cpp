@@ -48,7 +48,11 @@ TEST(PredictedPoses, DamagedOnesAreRefused) {
         R"([{"op": "remove", "path": "/steps/0/segments/0/name"}])",
         R"([{"op": "remove", "path": "/steps/0/segments/0/pose_4x4_row_major_mm_lps/15"}])",
         R"([{"op": "replace", "path": "/steps/0/segments/0/pose_4x4_row_major_mm_lps/1",
-             "value": -2}])"}) {
+             "value": -2}])",
+        R"([{"op": "replace", "path": "/steps/0/segments/0/pose_4x4_row_major_mm_lps/12",
+             "value": 1}])",
+        R"([{"op": "replace", "path": "/steps/0/segments/0/pose_4x4_row_major_mm_lps",
+             "value": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}])"}) {
     const json damaged = document().patch(json::parse(patch));
     const auto rejected = predicted_poses(damaged, damaged["steps"][0]);
     ASSERT_FALSE(rejected) << patch;

@@ -14,8 +14,9 @@ std::optional<RigidTransform> as_pose(const json& numbers) {
   for (std::size_t k = 0; k < 16; ++k)
     X_LB.matrix()(Index(k / 4), Index(k % 4)) = numbers.at(k).get<double>();
   const Mat3 rotation = X_LB.linear();
-  if (!X_LB.matrix().allFinite() ||
-      (rotation.transpose() * rotation - Mat3::Identity()).norm() > kRigid)
+  if (!X_LB.matrix().allFinite() || X_LB.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
+      (rotation.transpose() * rotation - Mat3::Identity()).norm() > kRigid ||
+      rotation.determinant() < 0.0)
     return std::nullopt;
   return X_LB;
 }
