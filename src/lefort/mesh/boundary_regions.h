@@ -28,7 +28,7 @@ struct BoundaryRule {
 /// \param mesh    elements of any shape.
 /// \param rules   distinct names, none of them "boundary" or `rest`; a rule that applies to no node
 ///   gets empty sets.
-/// \param rest    name of the sets without a rule.
+/// \param rest    name of the sets of all other nodes and faces.
 /// \returns `mesh` with the sets added; sets of the same names are replaced.
 [[nodiscard]] VolumeMesh name_boundary(VolumeMesh mesh, std::span<const BoundaryRule> rules,
                                        const std::string& rest = "free");
