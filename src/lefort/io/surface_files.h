@@ -29,7 +29,7 @@ struct VertexArray {
 /// \param path  of the surface.
 /// \returns the mesh, or
 ///   - kFileNotFound     the file does not exist;
-///   - kFileUnsupported  another ending;
+///   - kFileUnsupported  another ending, or a VTP of another byte order or compressor;
 ///   - kFileCorrupt      not of its format, truncated, or a coordinate is not finite;
 ///   - kMeshInvalid      no triangle.
 [[nodiscard]] Result<geometry::TriangleMesh> read_surface(const std::filesystem::path& path);

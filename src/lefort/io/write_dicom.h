@@ -14,7 +14,7 @@ namespace lefort::io {
 struct DicomSeriesText {
   std::string patient_name;  ///< Family^Given.
   std::string description;   ///< Of the series.
-  std::uint64_t number = 1;  ///< Determines the identifiers of study and series.
+  std::uint64_t number = 1;  ///< Determines the identifiers of patient, study and series.
 };
 
 /// Writes one slice as CT Image (PS3.3, A.3): explicit little endian, 16 bits, HU + 1024.
