@@ -10,8 +10,8 @@
 
 namespace lefort::mesh {
 
-/// A boundary node belongs to `name` if `distance_mm` at the node is at most `tolerance_mm`. If
-/// that distance is signed, negative inside, this includes all points inside.
+/// The rule applies to a boundary node if `distance_mm` at the node is at most `tolerance_mm`. If
+/// `distance_mm` is signed (negative inside), the rule applies to all points inside.
 struct BoundaryRule {
   std::string name;
   std::function<double(const Vec3&)> distance_mm;  ///< Of a point in L; called by many threads.
