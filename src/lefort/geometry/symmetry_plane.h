@@ -22,10 +22,10 @@ struct SymmetryPlane {
 /// The plane of a set of pairs x, y minimizes the sum of w |S x - y|^2, where S is the reflection.
 /// The plane passes through the weighted mean g of all x and y. Its normal is the eigenvector of
 /// the smallest eigenvalue of the symmetric part of the sum of w (x - g)(y - g)^T
-/// \cite combes2008. This converges slowly on smooth surfaces. After ten iterations the distance of
-/// S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are Tukey's,
-/// with a width proportional to the median distance (at least 1 mm), so that up to half of the
-/// points may have no counterpart.
+/// \cite combes2008. The iteration converges slowly on smooth surfaces. After ten iterations the
+/// distance of S x from the tangent plane at y replaces |S x - y| \cite chen1992. The weights w are
+/// Tukey's, with a width proportional to the median distance (at least 1 mm), so that up to half of
+/// the points may have no counterpart.
 ///
 /// \param surface  of a head or a bone.
 /// \param points   on the surface, 100 or more.

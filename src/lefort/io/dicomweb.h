@@ -37,11 +37,11 @@ struct DicomWebLimits {
 /// Reads one series of a study from
 /// dicomweb[s]://[user[:password]@]host[:port][/root]/studies/UID[/series/UID].
 ///
-/// The port is 80, or 443 for dicomwebs://, which requires a certificate that the system trusts.
-/// The images are stored in a private temporary folder and read by read_dicom_series(). The server
-/// must send as many images as it lists for the series.
+/// The default port is 80, or 443 for dicomwebs://. dicomwebs:// requires a certificate that the
+/// system trusts. The images are stored in a private temporary folder and read by
+/// read_dicom_series(). The server must send as many images as it lists for the series.
 ///
-/// \param address      of the study or series, as above.
+/// \param address      of the study or series, as above. \pre is_dicomweb(address).
 /// \param credentials  used if the address contains none.
 /// \param series       number in list_dicomweb() with this address, from 1; 0: the only CT series.
 /// \param progress     stages, progress of the transfer, requests to stop.

@@ -39,7 +39,7 @@ namespace lefort::io {
 /// Decodes the bytes of a file of write_field().
 ///
 /// \param bytes  aligned to 8 bytes.
-/// \param owner  keeps `bytes` alive; the field holds a copy of it.
+/// \param owner  owner of `bytes`; a field with bricks stores a copy of this pointer.
 /// \returns as read_field().
 [[nodiscard]] Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                                                         std::shared_ptr<const void> owner);

@@ -17,7 +17,7 @@ namespace lefort::io {
                                                const predict::PreviewModel& model);
 
 /// \param file  of write_preview_model().
-/// \returns the model, kFileNotFound, or kFileCorrupt if the file was truncated or changed.
+/// \returns the model, kFileNotFound, or kFileCorrupt if the file is truncated or inconsistent.
 /// \note The file is not portable: numbers have the byte order of the machine that wrote it.
 [[nodiscard]] Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& file);
 

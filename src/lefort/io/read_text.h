@@ -14,8 +14,8 @@ namespace lefort::io {
 ///
 /// \param source     the file.
 /// \param max_bytes  limit of its size.
-/// \returns the bytes, kFileNotFound if it is not a readable regular file, or kFileCorrupt if it is
-///   larger than `max_bytes`.
+/// \returns the bytes, kFileNotFound if `source` is not a readable regular file, or kFileCorrupt if
+///   it is larger than `max_bytes`.
 [[nodiscard]] Result<std::string> read_text(const std::filesystem::path& source,
                                             std::uintmax_t max_bytes);
 

@@ -31,7 +31,7 @@ struct VertexArray {
 /// \param progress  requests to stop.
 /// \returns the mesh, or
 ///   - kFileNotFound     the file does not exist;
-///   - kFileUnsupported  another ending;
+///   - kFileUnsupported  another ending, or a VTP of another byte order or compressor;
 ///   - kFileCorrupt      not of its format, truncated, or a coordinate is not finite;
 ///   - kMeshInvalid      no triangle;
 ///   - kCancelled        `progress` requested a stop.

@@ -27,7 +27,8 @@ namespace lefort::io {
 ///   - kFileUnsupported  several transforms, another type than AffineTransform,
 ///                       MatrixOffsetTransformBase, VersorRigid3DTransform and
 ///                       TranslationTransform; a matrix R with a negative determinant or an
-///                       entry of R^T R - I above 1e-4; or a translation beyond 100 m.
+///                       entry of R^T R - I above 1e-4; or a coordinate of the translation or the
+///                       center beyond 100 m.
 [[nodiscard]] Result<RigidTransform> read_transform(const std::filesystem::path& file);
 
 /// As above from text; messages contain no file name.

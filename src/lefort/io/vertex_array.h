@@ -16,8 +16,9 @@ namespace lefort::io {
 /// \param file  the surface.
 /// \param name  of the array; not empty.
 /// \returns the numbers, or
-///   - kFileNotFound  the file does not exist;
-///   - kFileCorrupt   not a VTP, truncated, or no array of this name with one number per vertex.
+///   - kFileNotFound     the file does not exist;
+///   - kFileCorrupt      not a VTP, truncated, or no array of this name with one number per vertex;
+///   - kFileUnsupported  another byte order or compressor.
 [[nodiscard]] Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
                                                             const std::string& name);
 

@@ -69,8 +69,8 @@ struct PvdEntry {
 ///
 /// \param target   ends in .pvd.
 /// \param entries  files of the series.
-/// \returns nothing, kInvalidArgument for a time that is not finite or an empty file name, or
-///   kFileUnwritable.
+/// \returns nothing, kInvalidArgument for a time that is not finite or a file name that is empty or
+///   unprintable, or kFileUnwritable.
 [[nodiscard]] Result<void> write_pvd(const std::filesystem::path& target,
                                      std::span<const PvdEntry> entries);
 

@@ -14,13 +14,13 @@ namespace lefort::io {
 struct DicomSeriesText {
   std::string patient_name;  ///< Family^Given.
   std::string description;   ///< Of the series.
-  std::uint64_t number = 1;  ///< Determines the identifiers of study and series.
+  std::uint64_t number = 1;  ///< Determines the identifiers of patient, study and series.
 };
 
 /// Writes one slice as CT Image (PS3.3, A.3): explicit little endian, 16 bits, HU + 1024.
 ///
 /// \param target  the file.
-/// \param slice   one voxel along k.
+/// \param slice   one voxel along k; values >= -1024 HU.
 /// \param number  of the slice in its series, from 1.
 /// \param text    attributes of the series.
 /// \returns nothing, or kFileUnwritable.

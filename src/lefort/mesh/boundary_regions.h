@@ -10,8 +10,8 @@
 
 namespace lefort::mesh {
 
-/// A boundary node belongs to `name` if `distance_mm` at the node is at most `tolerance_mm`. If
-/// that distance is signed, negative inside, this includes all points inside.
+/// The rule applies to a boundary node if `distance_mm` at the node is at most `tolerance_mm`. If
+/// `distance_mm` is signed (negative inside), the rule applies to all points inside.
 struct BoundaryRule {
   std::string name;
   std::function<double(const Vec3&)> distance_mm;  ///< Of a point in L; called by many threads.
@@ -28,7 +28,7 @@ struct BoundaryRule {
 /// \param mesh    elements of any shape.
 /// \param rules   distinct names, none of them "boundary" or `rest`; a rule that applies to no node
 ///   gets empty sets.
-/// \param rest    name of the sets without a rule.
+/// \param rest    name of the sets of all other nodes and faces.
 /// \returns `mesh` with the sets added; sets of the same names are replaced.
 [[nodiscard]] VolumeMesh name_boundary(VolumeMesh mesh, std::span<const BoundaryRule> rules,
                                        const std::string& rest = "free");

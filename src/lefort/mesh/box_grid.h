@@ -34,8 +34,8 @@ enum class BoxMix {
   kWedge15Tet10,  ///< Along z; >= 2 cells.
 };
 
-/// Makes the same box of several element shapes; every interior face belongs to two elements. Each
-/// shape fills about the same fraction of the box.
+/// Makes a box as make_box(), but of several element shapes; every interior face belongs to two
+/// elements. Each shape fills about the same fraction of the box.
 ///
 /// \param mix      which shapes, and along which axis they follow each other.
 /// \param cells    as for make_box(), at least as many as BoxMix states.

@@ -21,7 +21,7 @@ namespace lefort::mesh {
 /// \param mesh                 one block of kTet4 with positive volumes, without sets and hinges
 ///   (mesh/largest_face_connected_part.h). Unused nodes are removed, the others keep their order
 ///   and position.
-/// \param min_scaled_jacobian  quality below which an element is removed.
+/// \param min_scaled_jacobian  quality below which an edge of an element is collapsed.
 /// \returns the number of collapsed edges.
 Index collapse_edges(VolumeMesh& mesh, double min_scaled_jacobian);
 

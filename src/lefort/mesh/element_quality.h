@@ -51,7 +51,7 @@ struct TetQuality {
 
 /// Dihedral angles of an element of linear shape, computed from the directions of the edges at its
 /// corners, because bilinear faces have no single angle. For a pyramid the corners of the base are
-/// used; every edge ends in one. Regular wedge: 60 and 90; cube: 90.
+/// used; every edge has an end at one of them. Regular wedge: 60 and 90; cube: 90.
 ///
 /// \param shape  linear.
 /// \param nodes  positions of the element's nodes, in their order.

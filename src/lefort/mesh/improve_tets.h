@@ -19,8 +19,9 @@ struct ImproveOptions {
   std::span<const char> fixed_nodes = {};  ///< Not 0 for fixed nodes; empty, or one per node.
 };
 
-/// Moves the nodes of these elements one by one to the position that maximizes the lowest quality
-/// of the elements around the node (pattern search). The connectivity does not change.
+/// Moves the nodes of the elements that ImproveOptions describes, one by one, to the position that
+/// maximizes the lowest quality of the elements around the node (pattern search). The connectivity
+/// does not change.
 ///
 /// Interior nodes move freely; boundary nodes move along the boundary and are then snapped to where
 /// `is_inside_L` changes. No move rotates a boundary face by more than 20 degrees, so that ridges

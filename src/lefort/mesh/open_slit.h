@@ -39,7 +39,8 @@ struct SlitMesh {
 /// The side of an element is that of its centroid. If more of its faces adjoin elements of the
 /// other side than of its own, the element changes its side. Nodes between the sides move onto the
 /// surface as far as the scaled Jacobians of their elements permit. Boundary nodes move along the
-/// boundary. Nodes of elements other than kTet4 do not move. Then each node is duplicated whose
+/// boundary; those on its ridges (a face deviates by more than 40 degrees from the normal of the
+/// node) and nodes of elements other than kTet4 do not move. Then each node is duplicated whose
 /// elements the slit separates. No element is removed. A part of less than a hundredth of the
 /// elements is not separated.
 ///

@@ -12,7 +12,7 @@ namespace lefort::mesh {
 /// are left, or every further collapse would flip a triangle or change the topology.
 ///
 /// \param surface    closed; it is repaired first (repair_surface.h).
-/// \param triangles  max number in the result, 4 or more.
+/// \param triangles  max number in the result unless no further edge can be collapsed; 4 or more.
 /// \param progress   receives the fraction of edges collapsed; may request a stop.
 /// \returns a closed surface; kInvalidArgument for fewer than 4 triangles; the errors of
 ///   repair_surface(); kMeshingFailed if CGAL fails; kCancelled.

@@ -16,7 +16,7 @@ namespace lefort::mesh {
 /// \param max_distance_mm  max displacement; if `is_inside_L` does not change within it, the node
 ///   does not move.
 /// \param tolerance_mm     largest distance from the surface after the move.
-/// \returns the number of nodes that for this reason did not move all the way.
+/// \returns the number of nodes that did not move all the way, because of an element volume.
 Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_L,
                              double max_distance_mm, double tolerance_mm);
 

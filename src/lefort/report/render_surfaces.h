@@ -38,7 +38,7 @@ struct PictureSize {
 class SurfaceScene {
  public:
   /// \param layers    copied.
-  /// \param progress  receives the fraction done; may request a stop.
+  /// \param progress  receives the fraction done of each layer; may request a stop.
   /// \returns the scene, or
   ///   - kInvalidArgument  the number of scalars is wrong, the opacity is outside [0, 1], a color
   ///                       scale is empty, or memory is exhausted
@@ -50,7 +50,8 @@ class SurfaceScene {
 
   /// \param view      the camera.
   /// \param size      of the picture.
-  /// \param progress  receives the fraction done; may request a stop.
+  /// \param progress  receives the fraction done of the shadow on each layer, then of the rows; may
+  ///   request a stop.
   /// \returns the picture without annotations (annotate.h), or kInvalidArgument for a view or size
   ///   out of range, or kCancelled.
   [[nodiscard]] Result<Picture> render(const View& view, const PictureSize& size,
@@ -71,7 +72,7 @@ class SurfaceScene {
 /// \param layers    the surfaces.
 /// \param view      the camera.
 /// \param size      of the picture.
-/// \param progress  receives the fraction done; may request a stop.
+/// \param progress  as for both functions.
 /// \returns the picture, or the errors of both functions.
 [[nodiscard]] Result<Picture> render_surfaces(std::span<const SurfaceLayer> layers,
                                               const View& view, const PictureSize& size,

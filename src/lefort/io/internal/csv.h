@@ -9,8 +9,8 @@
 
 namespace lefort::io::internal {
 
-/// Returns the fields of a line without their quotes; nothing if a quote is not closed or text
-/// follows it.
+/// Returns the fields of a line without their quotes; nothing if a quoted field is not closed, or
+/// text follows its closing quote.
 [[nodiscard]] std::optional<std::vector<std::string>> split_csv(std::string_view line);
 
 /// Returns a field for writing, quoted if necessary.

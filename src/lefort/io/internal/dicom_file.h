@@ -21,7 +21,7 @@ using DicomTag = std::uint32_t;
 
 /// Contents of a DICOM file; the views refer to the parsed bytes.
 struct DicomElements {
-  std::map<DicomTag, std::string_view> values;  ///< Of the top level, without sequences.
+  std::map<DicomTag, std::string_view> values;  ///< Of the top level; sequences are not parsed.
   std::string_view pixels;                      ///< As stored; empty if there are none.
   bool is_compressed = false;     ///< `pixels` contains fragments of a codec's stream.
   std::optional<Error> damage{};  ///< Why parsing ended after `values`.

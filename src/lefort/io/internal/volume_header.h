@@ -1,9 +1,9 @@
 /// \file
 /// Readers of NRRD, MetaImage and NIfTI files: a header, and the voxels that it describes.
 ///
-/// They use no library. MetaIO and NrrdIO (in ITK 5.2) write outside their buffers for some
-/// headers, parse some headers differently from a check made before, return missing voxels as zeros
-/// or uninitialized memory, mirror some files, and share state between threads.
+/// They use no library of these formats. MetaIO and NrrdIO (in ITK 5.2) write outside their buffers
+/// for some headers, parse some headers differently from a check made before, return missing voxels
+/// as zeros or uninitialized memory, mirror some files, and share state between threads.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -45,8 +45,8 @@ struct VolumeHeader {
 /// Reads the header of a .nrrd or .nhdr file. Unknown and repeated fields are rejected, as are
 /// spaces other than LPS and RAS in mm.
 ///
-/// \returns the header with its key/value pairs as fields, kFileCorrupt or kFileUnsupported; the
-///   message contains nothing from the file but numbers.
+/// \returns the header with its key/value pairs as fields, kFileNotFound, kFileCorrupt or
+///   kFileUnsupported; the message contains nothing from the file but numbers.
 [[nodiscard]] Result<VolumeHeader> read_nrrd_header(const std::filesystem::path& file);
 
 /// Reads the header of a .mha or .mhd file. Lines without a separator and repeated fields are

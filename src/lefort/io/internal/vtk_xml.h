@@ -27,7 +27,7 @@ struct WantedArray {
 struct XmlArray {
   std::string parent;
   std::string name;
-  int piece = 0;  ///< Counted from 1; 0 outside all pieces.
+  int piece = 0;  ///< Counted from 1; 0 before the first piece.
   std::vector<double> values;
 };
 

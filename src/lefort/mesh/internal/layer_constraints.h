@@ -37,7 +37,8 @@ class LayerConstraints {
   [[nodiscard]] std::span<const Vec3> blocked_directions(std::size_t node) const {
     return blocked_[node];
   }
-  /// \returns whether the layer ends at the node: other boundary than cut faces begins there.
+  /// \returns whether the layer ends at the node: the node has a boundary face that is neither
+  ///   covered nor a cut face, or has a cut face and does not lie in its plane.
   [[nodiscard]] bool is_layer_boundary(std::size_t node) const {
     return is_layer_boundary_[node] != 0;
   }

@@ -27,7 +27,7 @@ struct LayerCorner {
 class LayerElements {
  public:
   /// \param surface  the outer surface; must outlive this object.
-  /// \param inwards  one unit vector per node of the mesh; zero for nodes of zero thickness.
+  /// \param inwards  one unit vector or zero per node of the mesh (internal/layer_directions.h).
   /// \param layers   how many elements lie one below the other.
   LayerElements(const LayerSurface& surface, std::vector<Vec3> inwards, int layers)
       : surface_(surface),

@@ -23,7 +23,7 @@ struct RayHit {
 /// A search tree over the triangles of some meshes.
 class RayScene {
  public:
-  /// \param meshes  the vertices of every triangle exist; coordinates are finite and below 1e9.
+  /// \param meshes  the vertices of every triangle exist; coordinates are finite, within +-1e9 mm.
   /// \returns the scene, or kInvalidArgument if Embree cannot start or memory is exhausted.
   [[nodiscard]] static Result<RayScene> build(
       std::span<const geometry::TriangleMesh* const> meshes);

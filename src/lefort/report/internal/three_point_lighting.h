@@ -18,7 +18,7 @@ using Light = Eigen::Array3d;
 [[nodiscard]] Light light_of(const Rgb& color);
 [[nodiscard]] double srgb_of(double light);
 
-/// \returns the direction of the key light in L: in front of the face, above the camera. Unit
+/// \returns the direction to the key light in L: 38 degrees above the direction to the camera. Unit
 ///   length.
 [[nodiscard]] Vec3 towards_key_light(const ViewAxes& camera);
 

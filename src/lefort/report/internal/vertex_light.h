@@ -24,7 +24,7 @@ namespace lefort::report {
 /// \param normals_L        of its vertices.
 /// \param obstacles        what occludes.
 /// \param max_distance_mm  largest distance of an occluder.
-/// \param progress         may request a stop.
+/// \param progress         receives the fraction of vertices done; may request a stop.
 /// \returns the cosine-weighted visible fraction of the hemisphere at each vertex, 0 to 1; or
 ///   kCancelled.
 [[nodiscard]] Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
@@ -37,7 +37,7 @@ namespace lefort::report {
 /// \param normals_L    of its vertices.
 /// \param obstacles    what casts shadows.
 /// \param key_light_L  direction of a disc-shaped lamp, unit length.
-/// \param progress     may request a stop.
+/// \param progress     receives the fraction of vertices done; may request a stop.
 /// \returns the visible fraction of the lamp at each vertex, 0 to 1; or kCancelled.
 [[nodiscard]] Result<std::vector<float>> soft_shadow(const geometry::TriangleMesh& mesh_L,
                                                      const std::vector<Vec3>& normals_L,
