@@ -38,7 +38,7 @@ struct SingularValueDecomposition {
 /// \returns the singular values of A, descending.
 [[nodiscard]] Vec3 singular_values(const Mat3& A);
 
-/// \returns x with A x = b, by LU with row pivoting; not finite if A is singular.
+/// \returns x with A x = b, by LU with row pivoting; not finite if a pivot is zero.
 [[nodiscard]] Vec3 solve_by_lu(const Mat3& A, const Vec3& b);
 
 /// \returns x with A x = b, by LU with full pivoting. If A is singular, the components of x without

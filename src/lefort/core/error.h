@@ -24,7 +24,7 @@ enum class ErrorCode {
   kAnatomyMissing,   ///< A required tissue or part of the anatomy was not found.
   kCutMissesBone,    ///< An osteotomy does not divide the bone.
   kMeshingFailed,    ///< No valid volume mesh was generated.
-  kElementInverted,  ///< An element has no positive volume.
+  kElementInverted,  ///< An element is degenerate or inverted.
   kStepBeyondBand,   ///< A bone moves further in one step than its distance band covers.
   kNotConverged,     ///< The solver found no equilibrium.
   kCancelled,        ///< The user asked to stop.

@@ -87,7 +87,7 @@ template <class Value, class Term>
   return total;
 }
 
-/// Calls body(i, list) for every i in [0, count).
+/// Calls body(i, list) for every i in [0, count); the body appends items to the list.
 ///
 /// \returns the items of all lists, in the order of i.
 template <class Item, class Body>

@@ -26,8 +26,9 @@ namespace lefort::field {
 /// The zone of sample() is kBand where all samples around the point are known and not in conflict:
 /// at least up to guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. The
 /// zone of sample_smooth() is kBand where the magnitude of its distance is at most band_mm(). Cells
-/// are kUnknown where the surface is open or inconsistently oriented, so that samples are in
-/// conflict.
+/// whose samples are in conflict are kUnknown, as at the boundary of an open surface or where
+/// triangles are inconsistently oriented. Beyond the band of an open surface all points are
+/// kUnknown.
 class DistanceField {
  public:
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;

@@ -9,8 +9,8 @@ namespace lefort::field {
 /// Defects of a surface. Those that can be repaired unambiguously were repaired.
 struct MeshRepairReport {
   Index duplicate_vertices = 0;  ///< At the position of another vertex, or in no triangle; dropped.
-  Index degenerate_triangles = 0;  ///< Degenerate: two corners coincide; dropped.
-  Index duplicate_triangles = 0;   ///< Duplicates: same corners and orientation; dropped.
+  Index degenerate_triangles = 0;  ///< Two corners coincide; dropped.
+  Index duplicate_triangles = 0;   ///< Same corners and orientation as another one; dropped.
   Index opposite_duplicates = 0;   ///< Same corners, opposite orientation: they enclose no volume.
   Index flipped_triangles = 0;     ///< Flipped to agree with neighbors, or to face outward.
   Index boundary_edges = 0;        ///< With one triangle.
@@ -24,7 +24,7 @@ struct MeshRepairReport {
 /// Properties of the surface a field was built from.
 struct FieldSource {
   Index triangles = 0;   ///< After repair.
-  Index components = 0;  ///< Components, connected by edges.
+  Index components = 0;  ///< Connected components (linked by edges).
   MeshRepairReport report{};
 
   bool operator==(const FieldSource&) const = default;

@@ -11,7 +11,8 @@ enum class Zone : std::uint8_t {
   kBand,     ///< In the band.
   kOutside,  ///< Beyond the band, outside the surface.
   kInside,   ///< Beyond the band, inside the surface.
-  kUnknown   ///< The surface is open there, or signs are in conflict, or the point is not finite.
+  /// Beyond the band of an open surface, or signs are in conflict, or the point is not finite.
+  kUnknown
 };
 
 }  // namespace lefort::field

@@ -84,7 +84,7 @@ class SymmetricBlocks {
   BlockMatrix<3, 3> matrix_;
   std::vector<std::int32_t> row_in_blocks_;
   std::vector<std::int32_t> offset_;  ///< For each value of A: its position in matrix_.values.
-  /// The same for the transposed entry above the diagonal.
+  /// For each value of A: position of the transposed entry, above the diagonal.
   std::vector<std::int32_t> mirror_offset_;
 };
 

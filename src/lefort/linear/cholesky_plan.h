@@ -2,11 +2,12 @@
 /// Symbolic analysis of a sparse Cholesky factorization: everything that depends on the pattern
 /// only.
 ///
-/// Columns of the factor with the same pattern below the diagonal form a supernode. Its front is a
-/// dense matrix over its own rows and the rows below them. The front is assembled from entries of A
-/// and from the update matrices of the children in the assembly tree; its own rows are eliminated,
-/// and what remains is its update matrix, which is added to the front of the parent (multifrontal
-/// method; \cite duff1983, \cite liu1992).
+/// Columns of the factor with the same pattern below the diagonal form a supernode. A supernode is
+/// merged with its parent where this adds few zeros. Its front is a dense matrix over its own rows
+/// and the rows below them. The front is assembled from entries of A and from the update matrices
+/// of the children in the assembly tree; its own rows are eliminated, and what remains is its
+/// update matrix, which is added to the front of the parent (multifrontal method; \cite duff1983,
+/// \cite liu1992).
 #pragma once
 
 #include <lefort/linear/sparse_matrix.h>
@@ -39,7 +40,7 @@ struct Supernode {
 /// A run of rows below the own rows of a front: consecutive in this front and in the front of its
 /// parent, within one tile of each.
 struct RowRun {
-  std::int32_t row;         ///< First row, counted from the first row below.
+  std::int32_t row;         ///< First row, counted from the first row below the own rows.
   std::int32_t parent_row;  ///< Its row in the front of the parent.
   std::int32_t count;
 };

@@ -18,8 +18,8 @@ inline constexpr int kLane = 8;
 inline constexpr int kTile = 120;
 
 /// Instruction sets that the kernels are compiled for. kAvx2 and kAvx512 fuse multiplication and
-/// addition in the same order and give the same bits. kBaseline, for x86 processors before 2013,
-/// cannot fuse; it is also the only one of other architectures.
+/// addition in the same order and give the same bits. kBaseline is for x86 processors before 2013,
+/// which cannot fuse, and for all other architectures.
 enum class TileSimd : std::uint8_t { kBaseline, kAvx2, kAvx512 };
 
 /// \returns the widest instruction set of this processor.

@@ -17,7 +17,9 @@ namespace lefort::linear {
 
 /// Methods of the solver.
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,     ///< Direct up to direct_rows, else multigrid if available (docs/decisions/0005).
+  /// Direct up to direct_rows or without set_near_null_space(), else multigrid
+  /// (docs/decisions/0005).
+  kAutomatic,
   kDirect,        ///< Multifrontal Cholesky factorization.
   kReusedFactor,  ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
   /// Conjugate gradients, preconditioned by smoothed aggregation multigrid. Direct up to 3000 rows.
@@ -28,8 +30,9 @@ enum class LinearSolverKind : std::uint8_t {
 struct LinearSolverOptions {
   LinearSolverKind kind = LinearSolverKind::kAutomatic;
   Index direct_rows = 60000;  ///< kAutomatic: largest system that is solved directly, >= 0.
-  int max_iterations = 300;   ///< Of conjugate gradients; >= 1.
-  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< Max for factor and fronts, > 0.
+  int max_iterations = 300;   ///< Multigrid: of conjugate gradients, >= 1.
+  /// Direct and reused factor: max for factor and fronts, > 0.
+  std::int64_t memory_bytes = std::int64_t(16) << 30;
 };
 
 /// Solves A x = b for a sequence of matrices. Data that depend on the pattern only are reused.

@@ -27,7 +27,9 @@ struct MultigridOptions {
   /// The smoother damps the eigenvalues of D^-1 A between the largest one and the largest one
   /// divided by this number; D: the diagonal blocks of A.
   double smoothed_range = 20.0;
-  std::int32_t direct_rows = 3000;  ///< Matrices with at most this many rows are solved directly.
+  /// The first coarse matrix with at most this many rows, or with hardly fewer than the finer
+  /// matrix, is solved directly.
+  std::int32_t direct_rows = 3000;
 };
 
 /// A hierarchy of matrices and its V-cycle.

@@ -68,7 +68,8 @@ class Assembler {
 
   /// \param u  displacements of all components [mm].
   /// \returns why forces() returns nothing: the cause of the first inadmissible item, and the
-  ///   position of its first node; or that a displacement is not finite. Empty if u is admissible.
+  ///   position of its first node; or that a displacement is not finite. Empty if u is admissible,
+  ///   or only a force is not finite.
   [[nodiscard]] std::string inadmissible_cause(const VectorX& u) const;
 
   /// \param u     displacements of all components [mm]; \pre admissible.

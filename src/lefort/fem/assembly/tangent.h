@@ -13,8 +13,8 @@ enum class Tangent {
   /// 2005 project element matrices; here they stay exact, so that this tangent may be indefinite.)
   /// Unlike a diagonal shift, the omission affects only the nodes of these terms.
   kStabilized,
-  /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
-  /// the symmetric part.
+  /// The antisymmetric part of the derivative of forces without a potential. For these forces
+  /// kExact means the symmetric part.
   kAntisymmetric
 };
 

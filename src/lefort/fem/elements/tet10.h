@@ -63,7 +63,7 @@ struct Tet10 {
   }
 
   /// Four points, exact to degree 2 (\cite hammer1956): exact for the stiffness of elements with
-  /// straight edges.
+  /// straight edges and centered mid-edge nodes.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     const double far = (5.0 - std::sqrt(5.0)) / 20.0;
     const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0;

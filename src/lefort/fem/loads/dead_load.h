@@ -46,7 +46,7 @@ using RegionBodyForces = std::map<std::int32_t, Vec3>;
 [[nodiscard]] Result<std::vector<NodalForce>> body_forces(const mesh::VolumeMesh& mesh,
                                                           const RegionBodyForces& body_forces);
 
-/// W = -factor (sum over nodes of f_a . u_a). An item is a node.
+/// W = -factor (sum over forces of f . u). An item is one of the forces.
 class DeadLoad final : public ForceTerm {
  public:
   /// \param nodes_L  reference positions of all nodes [mm].

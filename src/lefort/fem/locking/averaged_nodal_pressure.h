@@ -28,10 +28,10 @@ namespace lefort::fem {
 ///
 /// A patch is a node with the elements around it that belong to one region, have a decoupled law,
 /// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae
-/// whose sum is 1, to the patches of its innermost nodes: interior nodes if it has any; else nodes
-/// on a face of the body; else on an edge; else in a corner. An item is a patch. It couples all
-/// nodes of its elements; if these are more than kMaxLocalNodes, the elements are divided between
-/// several patches.
+/// whose sum is 1, to the patches of its innermost nodes: interior nodes of its region if it has
+/// any; else nodes on a face of the region; else on an edge; else in a corner. An item is a patch.
+/// It couples all nodes of its elements; if these are more than kMaxLocalNodes, the elements are
+/// divided between several patches.
 ///
 /// With averages also at boundary nodes there would be one volume constraint more than layers of
 /// elements, which would excite an alternating (checkerboard) change of volume. Weights that vary

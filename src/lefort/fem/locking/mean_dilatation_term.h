@@ -24,8 +24,8 @@ namespace lefort::fem {
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
-  /// \param data               the elements.
-  /// \param modes              one per element.
+  /// \param data              the elements.
+  /// \param modes             one per element.
   /// \param is_in_thick_part  elements_in_thick_parts() of these elements; may be empty if
   ///   the shape does not need it.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,

@@ -44,7 +44,8 @@ struct Step {
 /// directions, so that its full steps are short.
 /// \param dx       direction of `step`.
 /// \param step     accepted by backtrack().
-/// \param options  sufficient_decrease; max_backtracks is the max number of expansions.
+/// \param options  sufficient_decrease; max_backtracks is the max number of expansions;
+///   max_step_length ends the expansion.
 /// \returns the last accepted step.
 [[nodiscard]] Step expand_step(const NonlinearSystem& system, const NewtonState& from,
                                const VectorX& dx, Step step, const NewtonOptions& options);

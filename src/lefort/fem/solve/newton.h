@@ -74,7 +74,8 @@ struct NewtonOptions {
   /// bound satisfies the relative tolerance. Empty: none. For find_equilibrium(): 3 per node.
   VectorX round_off_n = {};
   /// Whether round_off_n may accept a start with any |r|. Set to false if a load acts: round_off_n
-  /// then accepts only a start with a small |r| (kMaxRoundOffFraction).
+  /// then accepts only a start with a small |r| (kMaxRoundOffFraction), or a start from which no
+  /// step is acceptable.
   bool may_accept_start_by_round_off = true;
   int max_iterations = 30;  ///< Max number of steps; >= 1.
   int max_backtracks = 20;  ///< Max number of contractions, or expansions, of one step; >= 0.
@@ -156,9 +157,10 @@ struct NewtonOutcome {
 ///    instead. The tangent of step 3 is positive definite, so that dx is a descent direction.
 /// 7. **Expansion**: a full step along dx with beta > 0 is expanded while the curvature condition
 ///    (equation (3.5)) fails and W decreases.
-/// 8. **Stagnation**: end if no step was accepted, or after `stagnation_iterations` steps without
-///    progress. Progress is a decrease of W by more than its round-off (after a step with tau > 0:
-///    also by more than a fraction of the decrease so far), or of the minimum of |r| by 10 %.
+/// 8. **Stagnation**: end if no step was accepted (converged if round_off_n accepts x), or after
+///    `stagnation_iterations` steps without progress. Progress is a decrease of W by more than a
+///    multiple of its round-off (after a step with tau > 0: also by more than a fraction of the
+///    decrease so far), or of the minimum of |r| by 10 %.
 ///
 /// In steps 5 to 7, alpha is at most NewtonOptions::max_step_length.
 /// In steps 5 to 8, W contains the integral of f . dx along the steps (minus the work of the

@@ -68,7 +68,7 @@ inline constexpr double kResidualReduction = 0.9;
 // Convergence by round-off.
 
 /// A start whose |r| exceeds this fraction of the residual reference is not accepted as round-off,
-/// unless NewtonOptions::may_accept_start_by_round_off.
+/// unless NewtonOptions::may_accept_start_by_round_off, or no step from the start is acceptable.
 inline constexpr double kMaxRoundOffFraction = 1e-3;
 
 // Linear tolerance (\cite eisenstat1996, choice 2).

@@ -10,7 +10,8 @@ namespace lefort::field {
 
 /// Completes visit_triangles(): finds the nearest triangle of every point that has none yet.
 /// Sixteen points traverse the tree together. The cost per point hardly grows with the distance
-/// from the surface, while the number of binned triangles grows with the square of the distance.
+/// from the surface, while the number of triangles binned to a brick grows with the square of the
+/// distance.
 ///
 /// \param mesh             the surface.
 /// \param tree             of `mesh`.

@@ -21,7 +21,7 @@ struct PreparedSurface {
   geometry::Pseudonormals normals;
   std::vector<bool> is_opposite_duplicate;  ///< By triangle; empty if there are none.
   bool closed = false;   ///< Each edge has equally many triangles in both directions.
-  Index components = 0;  ///< Number of components, connected by edges.
+  Index components = 0;  ///< Number of connected components (linked by edges).
   MeshRepairReport report;
 };
 

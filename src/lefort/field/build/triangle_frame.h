@@ -13,8 +13,8 @@ namespace lefort::field {
 /// Height w above the plane of a triangle, and for each edge i of length L_i the in-plane
 /// coordinates q_i along it and r_i outward from it.
 ///
-/// The squared distance is w^2 if all r_i <= 0, otherwise w^2 + min_i (r_i^2 + t_i^2), where t_i is
-/// the distance of q_i from the interval [0, L_i].
+/// The squared distance is w^2 if the triangle has area and all r_i <= 0, otherwise
+/// w^2 + min_i (r_i^2 + t_i^2), where t_i is the distance of q_i from the interval [0, L_i].
 struct TriangleFrame {
   std::array<Vec3, 3> corners;  ///< Edge i begins at corner i.
   std::array<double, 3> length;

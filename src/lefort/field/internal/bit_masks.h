@@ -29,7 +29,7 @@ namespace lefort::field::internal {
   return bits;
 }
 
-/// True bits for numbers above a limit.
+/// One bit per number: set if the number is above `limit`.
 [[nodiscard]] inline std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
   std::array<std::int32_t, 64> above;
   for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;

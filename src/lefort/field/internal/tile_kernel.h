@@ -152,7 +152,7 @@ LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cel
   return flat;
 }
 
-/// The same for a triangle without area; its box does not change.
+/// As prepare(), for a triangle without area; its box does not change.
 LEFORT_INLINE void prepare_flat(const TriangleFrame& frame, double cell, Planes& planes) {
   const auto set = [&](std::size_t which, const Vec3& direction, const Vec3& origin) {
     planes.at_low[which] = float(-direction.dot(origin));

@@ -58,7 +58,7 @@ struct LatticeWindow {
 /// The window of all samples, or of those in a box.
 ///
 /// \param frame     lattice of the field.
-/// \param region_B  the box; all samples if empty.
+/// \param region_B  the box; all samples without one.
 /// \param every     stride along each axis.
 /// \returns the window; or kInvalidArgument if `every` is not from 1 to the resolution, or the box
 ///   has a limit that is NaN or contains no sample.

@@ -15,7 +15,7 @@ namespace lefort::field {
 struct SliceOptions {
   int axis = 2;        ///< Normal of the plane: 0 sagittal, 1 coronal, 2 axial.
   double at_mm = 0.0;  ///< Coordinate of the plane along the axis, in frame B.
-  /// Region that is shown; its extent along the normal is not used.
+  /// Region that is shown, by default the whole field; its extent along the normal is not used.
   std::optional<Box3> region_B{};
   double pixel_mm = 1.0;  ///< Edge of a pixel, > 0.
   bool smooth = false;    ///< Use the smooth interpolation (sample_smooth()).
@@ -29,7 +29,7 @@ struct FieldSlice {
   Vec3 right_B, down_B;  ///< Unit, along axes.
   double pixel_mm = 0.0;
   int columns = 0, rows = 0;
-  /// By row from the top, columns from the left; values as of DistanceField::distances().
+  /// By row from the top, columns from the left; values as those of DistanceField::distances().
   std::vector<double> distances_mm{};
 
   /// Center of a pixel.

@@ -51,8 +51,9 @@ struct BrickSigns {
 /// Propagates signs between neighbors that the surface cannot separate (flood fill).
 ///
 /// \param signs    has the signs of known points outside `to_find`; receives those found.
-/// \param to_find  known points without a sign; those found are removed. A point is not found if it
-///   is not clear of the surface or has neighbors of different sign.
+/// \param to_find  known points without a sign; those found are removed. A point is found if it is
+///   clear of the surface, and the neighbors that have a sign and are clear of the surface exist
+///   and agree.
 void propagate_signs(BrickSigns& signs, BrickBits& to_find);
 
 /// Pairs of known neighbors in the brick whose distances may be in conflict: with different signs,

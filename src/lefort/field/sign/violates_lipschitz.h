@@ -14,7 +14,7 @@ inline constexpr float kMaxSlope = 1.001F;
 /// surface, and where triangles are inconsistently oriented, the sign jumps, and with it the
 /// distance. False if one of them is NaN.
 ///
-/// \param distance  of one lattice point.
+/// \param distance  of one lattice point. \pre both distances are finite or NaN.
 /// \param neighbor  distance of an adjacent lattice point.
 /// \param cell      spacing of the lattice.
 [[nodiscard]] inline bool violates_lipschitz(float distance, float neighbor, float cell) {

@@ -35,7 +35,7 @@ class SparseLattice {
   [[nodiscard]] int bricks_per_side() const { return bricks_per_side(resolution_); }
   [[nodiscard]] Index brick_count() const { return Index(brick_numbers_.size()); }
 
-  /// Number of the brick in slot 0 <= slot < brick_count(), x fastest.
+  /// Number (x fastest) of the brick in slot 0 <= slot < brick_count().
   [[nodiscard]] std::int32_t brick_number(Index slot) const {
     return brick_numbers_[std::size_t(slot)];
   }
