@@ -153,8 +153,9 @@ class WeightedContactTerm final : public fem::ForceTerm {
                                                    std::vector<Vec3> to_L) const;
 
   /// \param x_L  current positions of all nodes [mm].
-  /// \returns one entry per bone; forces are those on the tissue. Depths are those of dense samples
-  ///   of the faces, and of all vertices and sharp points of the bones behind them.
+  /// \returns one entry per bone; forces are those on the tissue. Points, area and depths are those
+  ///   of dense samples of the faces; the max depths include all vertices and sharp points of the
+  ///   bones behind the faces.
   [[nodiscard]] std::vector<ContactStatistics> summarize(std::span<const Vec3> x_L) const;
 
   /// \param x_L  current positions of all nodes [mm].
