@@ -57,7 +57,7 @@ struct OralFissure {
   double confidence = 0.0;
 
   [[nodiscard]] double width_mm() const { return left_x_mm - right_x_mm; }
-  /// Signed distance to the surface [mm], positive at the upper lip.
+  /// Approximate signed distance to the surface [mm], positive at the upper lip.
   [[nodiscard]] double level(const Vec3& p_L) const;
   /// Positive between the commissures and anterior to the lingual side of the teeth [mm].
   [[nodiscard]] double extent(const Vec3& p_L) const;
