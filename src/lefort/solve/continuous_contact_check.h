@@ -18,8 +18,8 @@ namespace lefort::solve {
 /// This check follows each node and face center on a straight line, relative to the obstacle, from
 /// one state to the next. For a point that starts outside the obstacle, the penetration on the way
 /// must not exceed the penetration at the end by more than twice the resolution of the distance
-/// query. The check also rejects an increment in which a point slides too far around a convex part of the
-/// obstacle. Points that move by at most twice the resolution are not checked.
+/// query. The check also rejects an increment in which a point slides too far around a convex part
+/// of the obstacle. Points that move by at most twice the resolution are not checked.
 class ContinuousContactCheck {
  public:
   /// \param nodes_L   all nodes at rest [mm].
