@@ -22,9 +22,9 @@ struct LipLandmarks {
 
 /// What determines the height of the fissure.
 enum class FissureSource {
-  kLandmarks,
-  kCrease,  ///< A crease of the skin.
-  kJaws,    ///< Without a crease: the middle between the anterior edges of the jaws.
+  kLandmarks,  ///< The landmark Stm, and the crease within 3 mm of it.
+  kCrease,     ///< A crease of the skin.
+  kJaws,       ///< Without a crease: the middle between the anterior edges of the jaws.
 };
 
 [[nodiscard]] constexpr const char* name_of(FissureSource source) {
@@ -71,7 +71,7 @@ struct FissureSearch {
 
 /// Finds the fissure.
 ///
-/// \param labels       of the scan. Without a mandible, the landmark Stm is needed.
+/// \param labels       of the scan. If find_jaw_edges() finds none, the landmark Stm is needed.
 /// \param soft_tissue  level-set function of the soft tissue (anatomy/tissue_levels.h).
 /// \param landmarks    in L [mm].
 [[nodiscard]] FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
