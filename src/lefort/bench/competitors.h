@@ -14,6 +14,7 @@ namespace lefort::bench {
 /// OpenVDB's narrow-band level set (tools::meshToSignedDistanceField).
 class OpenVdbField {
  public:
+  /// \param origin           a lattice point of the grid.
   /// \param half_band_cells  width of the band on each side of the surface, in cells; samples in it
   ///   are distances.
   OpenVdbField(const geometry::TriangleMesh& mesh, const Vec3& origin, double cell_mm,

@@ -25,8 +25,9 @@ struct FieldTask {
   Index query_points = 200'000;  ///< Number, within kQueryReach_mm of the surface.
   Index error_points = 100'000;  ///< Likewise.
   Index exact_points = 200'000;  ///< Max number of band samples for CGAL; 0: all.
-  int parts = 1;                 ///< Parts of each triangle edge: parts^2 triangles per triangle.
-  bool only_build = false;       ///< Without errors and queries.
+  /// Parts of each triangle edge: parts^2 triangles per triangle. Applied by run_field_task().
+  int parts = 1;
+  bool only_build = false;  ///< Without errors and queries; embree and cgal ignore it.
 };
 
 /// Max distance of query points from the surface.

@@ -16,7 +16,7 @@ struct ProcessRun {
   std::string output;          ///< Its stdout.
   double seconds = 0.0;        ///< Wall-clock.
   std::size_t peak_bytes = 0;  ///< Max resident memory.
-  int exit_code = 0;           ///< Negative: the signal that ended it.
+  int exit_code = 0;           ///< Negative: minus the number of the signal that ended it.
 };
 
 /// As run_process() below, with time and memory; a nonzero exit code is no error.

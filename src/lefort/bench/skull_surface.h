@@ -17,12 +17,12 @@ struct SkullSurfaceOptions {
   Index triangles = 96'190;  ///< As in the paper, section 3.2.1.
 };
 
-/// Flying edges at `bone_hu`, the largest connected part, windowed sinc smoothing, Lindstrom-Turk
-/// edge collapse to exactly `triangles`.
+/// Flying edges at `bone_hu`, the largest connected component, windowed sinc smoothing,
+/// Lindstrom-Turk edge collapse to exactly `triangles`.
 ///
 /// Uses only VTK and CGAL, so that the surface does not depend on methods of lefort.
-/// \returns the surface in L, closed; kMeshInvalid if the bone has fewer than `triangles`, or if
-///   the simplification does not end at that number; kCancelled.
+/// \returns the surface in L, closed; kMeshInvalid if the surface of the bone has fewer than
+///   `triangles`, or if the simplification does not end at that number; kCancelled.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_skull(const image::CtVolume& ct,
                                                            const SkullSurfaceOptions& options = {},
                                                            Progress& progress = Progress::none());

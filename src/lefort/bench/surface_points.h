@@ -10,8 +10,9 @@
 
 namespace lefort::bench {
 
-/// Points distributed uniformly over the surface, then displaced in a random direction by up to
-/// `max_distance_mm`. The same seed gives the same points.
+/// Points distributed uniformly over the surface, then displaced by random vectors that are
+/// distributed uniformly in the ball of radius `max_distance_mm`. The same seed gives the same
+/// points.
 [[nodiscard]] std::vector<Vec3> points_near_surface(const geometry::TriangleMesh& mesh, Index count,
                                                     double max_distance_mm, std::uint32_t seed);
 

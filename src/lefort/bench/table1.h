@@ -18,7 +18,7 @@ struct Table1Options {
   std::vector<int> resolutions = {128, 256, 512};
   std::vector<std::string> methods = {"bricks",  "hybrid", "adaptive", "uniform",
                                       "openvdb", "embree", "cgal"};
-  int repeats = 3;
+  int repeats = 3;  ///< Builds of each method, except one of adaptive and of cgal.
 };
 
 /// Runs each method at each resolution in a separate process, bricks also with two threads.

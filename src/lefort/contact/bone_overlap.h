@@ -10,7 +10,7 @@
 
 namespace lefort::contact {
 
-/// A bone: its surface and its distance query, both in its own frame.
+/// A bone: its surface and its distance query in its own frame, and its pose.
 struct SolidBone {
   const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
   RigidObstacle obstacle;
@@ -21,7 +21,7 @@ struct BoneOverlap {
   double volume_mm3 = 0.0;            ///< Common to both bones.
   double deepest_mm = 0.0;            ///< 0 without overlap; limited by the range of the query.
   Vec3 deepest_L = Vec3::Zero();      ///< Position of the deepest point [mm].
-  bool depth_is_lower_bound = false;  ///< A point lies beyond the range of the distance query.
+  bool depth_is_lower_bound = false;  ///< A point lies deeper than the range of the query.
   /// Depth of each vertex of the first bone in the second; 0 if at most kTouching_mm.
   std::vector<double> depth_mm;
   std::vector<double> depth_of_second_mm;  ///< The same of the second bone in the first.
@@ -36,8 +36,9 @@ inline constexpr double kTouching_mm = 0.1;
 /// Tests the vertices and edges of each bone against the other. Edges are sampled, so that a thin
 /// wall pierced by a long triangle is found.
 ///
-/// The volume is counted on a lattice of about a million points, in the bounding box of all points
-/// that do more than touch. A point beyond the range of the distance query has the range as depth.
+/// The volume is counted on a lattice of at most about a million points, in the bounding box of all
+/// points that do more than touch, enlarged by the edge spacing. A point deeper than the range of
+/// the distance query has the range as depth.
 /// \param moved            first bone; \pre its surface is not null.
 /// \param stationary       second bone; \pre its surface is not null.
 /// \param edge_spacing_mm  max distance between the samples of an edge, > 0.

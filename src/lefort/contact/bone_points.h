@@ -33,7 +33,7 @@ class BonePoints {
   BonePoints() = default;
 
   /// \param points      on the surface.
-  /// \param spacing_mm  between them along an edge, > 0.
+  /// \param spacing_mm  typical distance of the points, > 0: min cell size of the search structure.
   BonePoints(std::vector<BonePoint> points, double spacing_mm);
 
   [[nodiscard]] std::size_t size() const { return points_B_.size(); }

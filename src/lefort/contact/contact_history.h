@@ -60,8 +60,8 @@ class ContactHistory {
     return points_[point].reference.is_side_known;
   }
 
-  /// \returns whether the point has neither a multiplier nor a tangent plane, so that only
-  ///   penetration can load it.
+  /// \returns whether the point has neither a multiplier nor a tangent plane, so that only a
+  ///   penetration increase can load it.
   [[nodiscard]] bool is_free(std::size_t point) const {
     const State& now = points_[point].now;
     return now.multiplier_mpa == 0.0 && !now.is_plane_constrained;
@@ -91,9 +91,9 @@ class ContactHistory {
   ///
   ///   lambda <- p;   s <- beta s  if d > tolerance and d > gamma d_previous
   ///
-  /// with the penalty scale s, and d_previous at the last update since begin_step(). beta, gamma
-  /// and a bound of s are constants of the .cpp file. A point without pressure loses its multiplier
-  /// and its penalty scale.
+  /// with the penalty scale s and the depth d_previous at the last update since begin_step(); the
+  /// first update does not raise s. beta, gamma and a bound of s are constants of the .cpp file.
+  /// For a point without pressure lambda becomes 0 and s becomes 1.
   /// \param pressure_mpa  p at the converged state, >= 0.
   /// \param depth_mm      d at the converged state.
   /// \param tolerance_mm  penetration tolerance; 0 if there is none.

@@ -19,9 +19,9 @@ namespace lefort::contact {
 
 /// Contact of one bone, or of several, at one state.
 struct ContactStatistics {
-  Index points = 0;                           ///< Quadrature points in contact.
-  Index nodes = 0;                            ///< Nodes of faces with such a point.
-  double area_mm2 = 0.0;                      ///< Of the reference surface in contact.
+  Index points = 0;       ///< Quadrature points (weighted gaps: dense samples) in contact.
+  Index nodes = 0;        ///< Nodes of faces with such a point.
+  double area_mm2 = 0.0;  ///< Of the reference surface in contact.
   double max_penetration_mm = 0.0;            ///< Over that area.
   double mean_penetration_mm = 0.0;           ///< Over that area.
   double max_penetration_increase_mm = 0.0;   ///< Over that area.

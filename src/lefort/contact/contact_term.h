@@ -119,8 +119,8 @@ class ContactTerm final : public fem::ForceTerm {
   /// in that state (thin_bone_contact.h) are released.
   void begin_step();
 
-  /// Activates the tangent planes of points that have crossed the medial surface since the last
-  /// accepted state. Does nothing without a penetration tolerance.
+  /// Activates the tangent planes of points that have crossed the medial surface at `x_L`
+  /// (has_crossed_medial_surface()). Does nothing without a penetration tolerance.
   /// \param x_L  current positions of all nodes [mm].
   /// \returns the number of newly constrained points.
   Index activate_tangent_planes(std::span<const Vec3> x_L);

@@ -49,12 +49,12 @@ enum class Derivatives : std::uint8_t { kFirst, kSecond };
 
 /// Result at one point.
 ///
-/// | zone     | where                                       | distance_mm          | derivatives |
-/// |----------|---------------------------------------------|----------------------|-------------|
-/// | kBand    | at least up to max_distance_mm()            | signed distance      | as queried  |
-/// | kOutside | outside, further away                       | >= max_distance_mm() | zero        |
-/// | kInside  | inside, further away                        | its negative         | zero        |
-/// | kUnknown | sign not known, or point not finite         | not defined          | zero        |
+/// | zone     | where                                       | distance_mm           | derivatives |
+/// |----------|---------------------------------------------|-----------------------|-------------|
+/// | kBand    | at least up to max_distance_mm()            | signed distance       | as queried  |
+/// | kOutside | outside, further away                       | >= max_distance_mm()  | zero        |
+/// | kInside  | inside, further away                        | <= -max_distance_mm() | zero        |
+/// | kUnknown | sign not known, or point not finite         | not defined           | zero        |
 ///
 /// The sign is not known near a hole of the surface; far from an open surface it may be unknown.
 struct SignedDistanceSample {
@@ -112,7 +112,7 @@ class DistanceQuery {
 /// Distance query by the closest point on the triangles. Sign and normal are those of the
 /// pseudonormal of the closest face, edge or vertex (\cite baerentzen2005). The pseudonormal equals
 /// the gradient of the distance only where the closest point is inside a face. No second
-/// derivatives.
+/// derivatives. No part of the body is missed, although resolution_mm() is a fifth of the range.
 ///
 /// \param surface_B        \pre not null.
 /// \param max_distance_mm  range of the query, > 0.

@@ -40,7 +40,7 @@ struct PointDepth {
   /// ds/dx of each corner [1/mm].
   std::array<Vec3, 3> fade_gradient_L{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   Eigen::Matrix<double, 9, 9> hessian_L =
-      Eigen::Matrix<double, 9, 9>::Zero();  ///< Of D [1/mm]; upper left 3 corners x 3.
+      Eigen::Matrix<double, 9, 9>::Zero();  ///< Of D [1/mm]; 3 rows and columns per corner.
   /// Positive semidefinite approximation of D Hess D, bounded as D goes to 0; 0 inside a face.
   Eigen::Matrix<double, 9, 9> positive_L = Eigen::Matrix<double, 9, 9>::Zero();
   /// Of each corner: the shape functions there, in the order of the nodes of the face.

@@ -47,7 +47,7 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 ///   - the first outcome if it did not converge, or with kRejected if a contact rejects it;
 ///   - an outcome that was cancelled or ran out of memory;
 ///   - else the last equilibrium, with the histories of all solves, each except the first without
-///     its start. After a failed solve, the last entry of the returned equilibrium is repeated.
+///     its start. After a failed solve, the last entry repeats that of the returned equilibrium.
 [[nodiscard]] fem::NewtonOutcome solve_augmented_lagrangian(
     std::span<ContactTerm> contacts, std::span<const Vec3> nodes_L, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& start)>& solve);

@@ -66,8 +66,8 @@ constexpr double kRounding = 1e-9;
 /// the element size.
 constexpr double kRemeasured = 0.25;
 
-/// Rounds of moved_with_bones(): each carries the neighbors of patches that the one before it
-/// moved_with_bones.
+/// Rounds of moved_with_bones(): each round moves neighbors of the patches that the round before it
+/// moved.
 constexpr int kMaxCarryRounds = 20;
 
 Mat3 positive_part(const Mat3& symmetric) {

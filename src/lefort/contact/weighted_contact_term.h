@@ -94,7 +94,8 @@ class WeightedContactTerm final : public fem::ForceTerm {
   /// Lets the penalty act in the patches of a set for both signs of the weighted gap, and not at
   /// all in the others; used by solve_active_set(). In the Hess g term of the stiffness, p_a is
   /// then the estimated pressure of the set: 2 k times the present depth would be large and wrong
-  /// until the step has closed the gap. Not while the term is being evaluated.
+  /// until the step has closed the gap. Sharp points are not affected. Not while the term is being
+  /// evaluated.
   /// \param active  one entry per node patch, or empty: unilateral contact.
   void set_active(ActiveSet active) { active_ = std::move(active); }
 
@@ -153,8 +154,9 @@ class WeightedContactTerm final : public fem::ForceTerm {
                                                    std::vector<Vec3> to_L) const;
 
   /// \param x_L  current positions of all nodes [mm].
-  /// \returns one entry per bone; forces are those on the tissue. Depths are those of dense samples
-  ///   of the faces, and of all vertices and sharp points of the bones behind them.
+  /// \returns one entry per bone; forces are those on the tissue. Points, area and depths are those
+  ///   of dense samples of the faces; the max depths include all vertices and sharp points of the
+  ///   bones behind the faces.
   [[nodiscard]] std::vector<ContactStatistics> summarize(std::span<const Vec3> x_L) const;
 
   /// \param x_L  current positions of all nodes [mm].

@@ -13,7 +13,7 @@ namespace lefort::predict {
 enum class BoundaryLabel : std::uint8_t {
   kNone = 0,  ///< Not painted: the boundary rules decide.
   kFixed = 1,
-  kFree = 2,         ///< Not fixed; a segment may push it.
+  kFree = 2,         ///< Not fixed; a segment may push it, with the clinical interface any bone.
   kWithSegment = 3,  ///< Moves with the closest segment, even if not on it.
   kContact = 4,      ///< Free; stationary bone pushes it too.
   kBonded = 5,       ///< Moves with the closest bone.

@@ -58,8 +58,9 @@ struct PlanCheck {
 /// Moves all segments together along their paths and checks the limits.
 ///
 /// Overlap is measured at every step of the path with the most steps and at every keyframe. Cut
-/// faces are the parts of a segment's surface within the kerf of other bone at rest. Gap and
-/// support of a distracted segment are reported, but are not findings: new bone grows there.
+/// faces are the parts of a segment's surface that at rest lie within the kerf width plus
+/// contact::kTouching_mm of other bone. Gap and support of a distracted segment are reported, but
+/// are not findings: new bone grows there.
 ///
 /// \param cut       result of cut_segments().
 /// \param planned   the plan that was cut; paths pass check_path().

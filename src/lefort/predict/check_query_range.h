@@ -19,7 +19,7 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
 /// Distance query of a bone. A bounding-volume hierarchy has the same maximum distance as the
 /// bone's field: its band.
 ///
-/// \param segment    its surface and field.
+/// \param segment    a segment or the stationary bone.
 /// \param detection  the method of the query.
 /// \returns as contact::field_distance_query().
 [[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(

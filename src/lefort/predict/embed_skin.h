@@ -21,7 +21,8 @@ struct SkinEmbedding {
   std::vector<EmbeddedVertex> embedded_vertices;  ///< One per skin vertex.
 };
 
-/// Embeds each vertex of the skin in the closest boundary face of the tissue mesh.
+/// Embeds each vertex of the skin in the closest boundary face of the tissue mesh. Faces at which
+/// the lips touch each other are left out.
 ///
 /// Within `near_mm` of the mesh the weights are barycentric coordinates; they decrease smoothly to
 /// zero at four times that distance, so that the skin stays smooth where the region ends.

@@ -48,7 +48,8 @@ struct PreviewModel {
 ///   - kAnatomyMissing   no tissue lies on a segment, nothing is fixed, or no segment supports
 ///     tissue;
 ///   - kPlanInvalid      tissue is painted as contact, and the interface is not kClinical;
-///   - kInvalidArgument  a material constant lies outside its range.
+///   - kInvalidArgument  a material constant lies outside its range;
+///   - what fem::make_element_terms() returns.
 [[nodiscard]] Result<PreviewModel> make_preview_model(const FaceModel& model,
                                                       const geometry::TriangleMesh& skin_L,
                                                       const TissueOptions& tissue,

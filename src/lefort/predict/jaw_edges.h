@@ -23,7 +23,8 @@ struct JawEdges {
 [[nodiscard]] double median_of(std::vector<double> values);
 
 /// \param labels  of the scan.
-/// \returns nothing if there is no mandible, or no bone above it in the anterior face.
+/// \returns nothing if less than 5 ml are mandible, or no other bone lies above it in the anterior
+///   face.
 [[nodiscard]] std::optional<JawEdges> find_jaw_edges(const anatomy::LabelMap& labels);
 
 /// Anterior surface of both jaws near the level of their edges.

@@ -5,7 +5,7 @@
 /// the upper one (\cite francavilla1975):
 ///
 ///   e = n . (x_upper - x_lower)               opening
-///   W = A/2 k_c e^2 if e < 0, else 0
+///   W = A/2 k_c e^2 if e < 0, else 0          pressure k_c |e|; on bone it is 2 k_c d
 ///
 /// n is that at rest: motion perpendicular to n meets no resistance. After a slip s on a surface of
 /// curvature kappa the opening is in error by about kappa s^2 / 2 (docs/theory/interface.md).

@@ -1,5 +1,6 @@
 /// \file
-/// Meshes the tissue domain: fine near the segment, coarse at the border of the region.
+/// Meshes the tissue domain: fine near the segment (also at lips and nose, if the options have
+/// FaceSize), coarse at the border of the region.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,7 +14,8 @@
 
 namespace lefort::predict {
 
-/// Tolerance between mesh and zero surface of the level, as a fraction of the element size.
+/// Tolerance between mesh and zero surface of the level, as a fraction of the smallest element
+/// size.
 inline constexpr double kSurfaceDistanceFraction = 0.15;
 
 /// Region numbers of elements.
@@ -39,7 +41,7 @@ inline constexpr double kMinJacobian = 0.05;
 /// Meshes the domain with tetrahedra.
 ///
 /// \param domain     region to mesh.
-/// \param segment_L  as in make_tissue_domain(): elements are smallest there.
+/// \param segment_L  as in make_tissue_domain(); elements have options.element_size_mm there.
 /// \param options    element sizes and margin.
 /// \param progress   may stop the meshing.
 /// \returns tetrahedra without sets; or as mesh::generate_tets.

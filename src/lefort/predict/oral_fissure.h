@@ -22,9 +22,9 @@ struct LipLandmarks {
 
 /// What determines the height of the fissure.
 enum class FissureSource {
-  kLandmarks,
-  kCrease,  ///< A crease of the skin.
-  kJaws,    ///< Without a crease: the middle between the anterior edges of the jaws.
+  kLandmarks,  ///< The landmark Stm, and the crease within 3 mm of it.
+  kCrease,     ///< A crease of the skin.
+  kJaws,       ///< Without a crease: the middle between the anterior edges of the jaws.
 };
 
 [[nodiscard]] constexpr const char* name_of(FissureSource source) {
@@ -57,7 +57,7 @@ struct OralFissure {
   double confidence = 0.0;
 
   [[nodiscard]] double width_mm() const { return left_x_mm - right_x_mm; }
-  /// Signed distance to the surface [mm], positive at the upper lip.
+  /// Approximate signed distance to the surface [mm], positive at the upper lip.
   [[nodiscard]] double level(const Vec3& p_L) const;
   /// Positive between the commissures and anterior to the lingual side of the teeth [mm].
   [[nodiscard]] double extent(const Vec3& p_L) const;
@@ -71,7 +71,7 @@ struct FissureSearch {
 
 /// Finds the fissure.
 ///
-/// \param labels       of the scan. Without a mandible, the landmark Stm is needed.
+/// \param labels       of the scan. If find_jaw_edges() finds none, the landmark Stm is needed.
 /// \param soft_tissue  level-set function of the soft tissue (anatomy/tissue_levels.h).
 /// \param landmarks    in L [mm].
 [[nodiscard]] FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,

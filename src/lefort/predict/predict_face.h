@@ -65,7 +65,8 @@ struct PredictionWatch {
 ///   have the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
 ///   - kPlanInvalid      a path cannot be followed (geometry::check_path);
-///   - what bone_distance_queries(), check_query_range() and check_stationary_bone() return;
+///   - what bone_distance_queries(), check_query_range(), check_stationary_bone() and
+///     fem::make_element_terms() return;
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue mesh is too fine for the memory of this machine;

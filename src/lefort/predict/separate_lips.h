@@ -47,7 +47,7 @@ struct TissueWithLips {
 /// Opens a slit in the surface of the fissure (mesh/open_slit.h). Elements keep their numbers.
 ///
 /// \param tissue  mesh of the domain, without sets.
-/// \param domain  its level keeps nodes on the boundary.
+/// \param domain  boundary nodes that move stay on the zero surface of its level.
 /// \param search  the fissure, or why there is none.
 [[nodiscard]] TissueWithLips separate_lips(mesh::VolumeMesh tissue, const TissueDomain& domain,
                                            FissureSearch search);

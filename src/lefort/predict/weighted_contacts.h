@@ -14,7 +14,8 @@
 
 namespace lefort::predict {
 
-/// One term for all segments, and one for stationary bone; empty where tissue touches neither.
+/// One term for all segments, and one for stationary bone. A term is missing if tissue cannot touch
+/// that bone.
 class WeightedContacts {
  public:
   std::optional<contact::WeightedContactTerm> on_segments, on_stationary;
@@ -47,6 +48,7 @@ class WeightedContacts {
   /// \param X_LB            present poses, which are those of the terms.
   /// \param start           displacements of all nodes [mm].
   /// \param max_iterations  of the unilateral solve.
+  /// \param solve           one Newton step or the unilateral solve.
   [[nodiscard]] fem::NewtonOutcome solve(const std::vector<RigidTransform>& from_X_LB,
                                          const VectorX& u_last,
                                          const std::vector<RigidTransform>& X_LB,

@@ -14,12 +14,12 @@
 namespace lefort::solve {
 
 /// Contact terms evaluate single states. If an obstacle is in front of a body in one state and
-/// behind it in the next, it touches the body in neither state, and both are in equilibrium. This
-/// check follows each node and face center on a straight line, relative to the obstacle, from one
-/// state to the next. For a point that starts outside the obstacle, the penetration on the way must
-/// not exceed the penetration at the end by more than twice the resolution of the distance query.
-/// The check also rejects an increment in which a point slides too far around a convex part of the
-/// obstacle. Points that move less than twice the resolution are not checked.
+/// behind it in the next, it touches the body in neither state, and both states are in equilibrium.
+/// This check follows each node and face center on a straight line, relative to the obstacle, from
+/// one state to the next. For a point that starts outside the obstacle, the penetration on the way
+/// must not exceed the penetration at the end by more than twice the resolution of the distance
+/// query. The check also rejects an increment in which a point slides too far around a convex part
+/// of the obstacle. Points that move by at most twice the resolution are not checked.
 class ContinuousContactCheck {
  public:
   /// \param nodes_L   all nodes at rest [mm].

@@ -26,7 +26,8 @@ struct PrescribedDof {
 /// \param deck  its displacements and motions are used.
 /// \returns each prescribed degree of freedom once, with the first condition that prescribes it,
 ///   and those of nodes of no element; or kPlanInvalid: a set, curve or path is invalid, or two
-///   conditions prescribe one degree of freedom and are not two equal ones of Deck::displacements.
+///   conditions prescribe one degree of freedom, unless both are in Deck::displacements and
+///   prescribe the same value at all times.
 [[nodiscard]] Result<std::vector<PrescribedDof>> find_prescribed_dofs(const mesh::VolumeMesh& mesh,
                                                                       const Deck& deck);
 

@@ -29,8 +29,8 @@ namespace lefort::solve {
 [[nodiscard]] Result<std::vector<std::int32_t>> find_nodes(const mesh::VolumeMesh& mesh,
                                                            const std::string& set);
 
-/// Faces of a face set; if there is none of that name, the boundary faces whose nodes all belong to
-/// the node set of that name.
+/// Faces of a face set; if there is none of that name or it is empty, the boundary faces whose
+/// nodes all belong to the node set of that name.
 [[nodiscard]] Result<std::vector<mesh::Face>> find_faces(const mesh::VolumeMesh& mesh,
                                                          const std::string& set);
 

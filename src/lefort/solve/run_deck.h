@@ -49,7 +49,7 @@ struct Increment {
 struct DeckRun {
   std::optional<Increment> last;  ///< Last converged increment, if any.
   std::optional<Error> failure;   ///< Why time 1 was not reached; kCancelled if it was stopped.
-  /// Kind that `automatic` chose for the last increment; none if no system was solved.
+  /// Kind used for the last increment, never kAutomatic; none if no system was solved.
   std::optional<linear::LinearSolverKind> linear_solver;
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged increment.
 

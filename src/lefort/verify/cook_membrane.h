@@ -25,7 +25,7 @@
 namespace lefort::verify {
 
 /// E = 240.565 MPa and nu = 0.4999 at small strain: the nearly incompressible neo-Hookean material
-/// (mu = 80.1938 MPa, kappa = 400942 MPa) of \cite simo1992.
+/// (mu = 80.1937 MPa, kappa = 400942 MPa) of \cite simo1992.
 [[nodiscard]] fem::Material cook_material();
 
 /// Reference rise of the corner (48, 60) [mm].
