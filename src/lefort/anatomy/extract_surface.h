@@ -24,8 +24,8 @@ struct IsosurfaceOptions {
 /// \param progress  reports progress; may cancel.
 /// \returns a closed surface in L, counter-clockwise seen from outside, without duplicate vertices,
 ///   or
-///   - kInvalidArgument  `level` is not finite, is non-negative in an outermost voxel, or does not
-///     match its grid; or an option is out of range;
+///   - kInvalidArgument  `level` is not finite, is non-negative in an outermost voxel, does not
+///     match its grid, or has fewer than 3 voxels along an axis; or an option is out of range;
 ///   - kMeshInvalid      nothing is positive, or no component is large enough;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_isosurface(

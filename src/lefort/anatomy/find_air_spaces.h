@@ -15,7 +15,7 @@ struct AirSpaces {
 
 /// Divides the air inside the patient at its narrow passages into rooms. A room is a sinus if at
 /// least 70 % of its walls are bony and it does not touch the outside. All other rooms are airway,
-/// except small pockets in soft tissue.
+/// except connected pockets of less than `min_air_ml` that do not touch the outside.
 ///
 /// \param air      air inside the patient.
 /// \param bone     including marrow.

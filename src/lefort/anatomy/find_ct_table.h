@@ -6,9 +6,10 @@
 
 namespace lefort::anatomy {
 
-/// The parts of `dense` with a constant cross-section along the patient that lie posterior to
-/// everything else: a table and the thin blurred layer around it. Unlike other objects a table may
-/// touch the patient over a large area and be equally dense. Empty if there is no table.
+/// A table and the thin blurred layer around it: the parts of `dense` with a constant cross-section
+/// along the patient that are thin, at least 60 % as wide as the scan, and posterior to the mean of
+/// the rest. Unlike other objects a table may touch the patient over a large area and be as dense
+/// as the patient. Empty if there is no table, or the scan has fewer than 20 slices.
 ///
 /// \param dense  voxels that are not air.
 [[nodiscard]] Mask find_ct_table(const Mask& dense);

@@ -14,10 +14,10 @@ struct OcclusalPlane {
   double offset_mm = 0.0;        ///< normal . p on the plane.
   Vec3 front_L{0.0, 0.0,
                0.0};  ///< Most anterior bone of the face, in the middle; not on the plane.
-  /// 1 if the plane crosses no bone of the dental arches, 0 if it crosses as much as there is on
-  /// one of its sides.
+  /// 1 if the plane crosses no bone of the dental arches, 0 if it crosses as much as the densest
+  /// parallel plane of the jaw with less bone.
   double contrast = 0.0;
-  bool is_of_enamel = false;  ///< Fitted to the crowns, not to the gap.
+  bool is_of_enamel = false;  ///< Fitted to the crowns; `contrast` is set to 1.
 
   /// Signed distance of a point, positive superior to the plane.
   [[nodiscard]] double height_mm(const Vec3& p_L) const { return normal_L.dot(p_L) - offset_mm; }

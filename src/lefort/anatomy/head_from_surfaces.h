@@ -25,14 +25,15 @@ struct LabeledScan {
   LabelMap labels;
 };
 
-/// Voxelizes a head. CT numbers are linear in the distance to a surface within half a voxel of it,
-/// so that the iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. Inside
-/// the bone the number is 1200 HU, in soft tissue 40 HU, in air -1000 HU. The mandible takes
-/// precedence over the skull, bone over soft tissue. The brain is found as in a scan; airway and
-/// sinuses are unknown and count as soft tissue.
+/// Voxelizes a head. Near a surface CT numbers are linear in the distance to it, so that the
+/// iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. They reach the
+/// number of soft tissue, 40 HU, half a voxel from a surface, that of air, -1000 HU, about one
+/// voxel outside the skin, and that of bone, 1200 HU, 2.6 voxels inside the bone. The mandible
+/// takes precedence over the skull, bone over soft tissue. The brain is found as in a scan; airway
+/// and sinuses are unknown and count as soft tissue.
 ///
-/// A flat end of the skin across an axis of L (400 mm^2 or more, where a scan was truncated) is cut
-/// off by two voxels: the grid ends there, as that of the scan did.
+/// At a flat end of the skin normal to an axis of L (400 mm^2 or more, where a scan was truncated)
+/// the grid ends two voxels inside the skin, so that the result is truncated there, too.
 ///
 /// \param surfaces  closed; orientation is corrected.
 /// \param voxel_mm  edge of a voxel, > 0.

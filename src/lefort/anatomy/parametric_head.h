@@ -51,7 +51,7 @@ class ParametricHead {
   /// ears.
   [[nodiscard]] const RigidTransform& X_LH() const { return X_LH_; }
   [[nodiscard]] const HeadShape& shape() const { return shape_; }
-  /// The point in frame H at a point of the mean head; only the scale is applied.
+  /// The point in frame H of a point of the mean head, by the scale alone.
   [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
 
  private:

@@ -17,12 +17,13 @@ struct StreakReduction {
 ///
 /// Streaks lie in the plane in which a CT scanner measures, so the slices above and below the metal
 /// show the same anatomy without them. A slice has streaks if neighboring voxels differ by more
-/// than any tissue does within the resolution of a scanner. The number of each voxel is limited to
-/// the range of those within 3 mm in the two closest slices without streaks, one on each side:
-/// their dilation and erosion (\cite serra1982). So bone, teeth, skin and air may move by 3 mm from
-/// slice to slice, and a streak further from them is removed. Bone that both slices show remains
-/// bone, also where a streak is dark. Soft tissue may lie up to 8 mm further: lips, nose and ears.
-/// Slices are not changed if those two are more than 30 mm apart, or one of them is missing.
+/// than any tissue does within the resolution of a scanner. The CT number of each voxel is limited
+/// to the range of the CT numbers within 3 mm in the two closest slices without streaks, one on
+/// each side: their dilation and erosion (\cite serra1982). So bone, teeth, skin and air may lie up
+/// to 3 mm beyond their position in those two, and a streak further away is removed. Bone that both
+/// show remains bone, also where a streak is dark. Soft tissue may lie up to 8 mm beyond: lips,
+/// nose and ears. Slices are not changed if those two are more than 30 mm apart, or one of them is
+/// missing.
 ///
 /// The image domain is corrected because scans are stored without their projections, which the
 /// interpolation of \cite kalender1987 needs.

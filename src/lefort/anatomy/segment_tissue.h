@@ -31,10 +31,11 @@ struct SegmentationOptions {
 /// Labels every voxel of a head CT.
 ///
 /// Bone: connected dense components, with the marrow they enclose. The mandible has its own label
-/// if it can be separated from the skull (find_mandible.h). Brain: the soft tissue from which rays
-/// hit bone in at least 85 % of 26 directions. A watershed extends this region to the narrowest
-/// cross-section of each opening of the skull, whether foramen or defect; the border there is
-/// smooth. A scan without a cranial cavity has no brain; this is not an error.
+/// if it can be separated from the skull (find_mandible.h); only then does sharpen_bone() remove
+/// the blurred border of bone. Brain: the soft tissue from which rays hit bone in at least 85 % of
+/// 26 directions. A watershed extends this region to the narrowest cross-section of each opening of
+/// the skull, whether foramen or defect; the border there is smooth. A scan without a cranial
+/// cavity has no brain; this is not an error.
 ///
 /// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
 ///   become background unless they are fused with the head.

@@ -14,7 +14,8 @@ inline constexpr double kHalfGap_voxels = 0.625;
 ///
 /// The side of a point is half the difference of its signed distances to both labels, in voxels:
 /// zero halfway between them and positive on the side of the first. Each function is limited to the
-/// side minus half the gap, so surfaces with a larger gap do not change. Afterwards a voxel
+/// side (for the second label with its sign reversed) minus half the gap, so surfaces with a larger
+/// gap do not change. Afterwards a voxel
 /// that is inside the second label and has one inside the first among its 26 neighbors is set
 /// outside: no cell of eight voxels contains both, hence no triangle connects them.
 ///

@@ -3,8 +3,8 @@
 ///
 /// Their sign is **positive inside** and negative outside (docs/conventions.md), unlike that of
 /// distance fields. Near the border the value is about the distance to it in mm; further away it is
-/// clamped to a few mm. Values between voxels are interpolated trilinearly. The grid is that of the
-/// scan, extended by two voxels with negative values on every side, so that zero surfaces are
+/// clamped, to 1 to 3 mm. Values between voxels are interpolated trilinearly. The grid is that of
+/// the scan, extended by two voxels with negative values on every side, so that zero surfaces are
 /// closed even where the scan truncates the patient. Functions of adjacent tissues are computed
 /// from the same values: where tissue touches bone or air, both zero surfaces coincide.
 #pragma once

@@ -21,7 +21,7 @@ struct BoneVolumes {
 };
 
 /// Labeled bone inside a surface, estimated at the centers of every n-th voxel along each axis;
-/// n is chosen so that at most 2e5 voxels in the box of the surface are visited.
+/// n is chosen so that about 2e5 voxels or fewer in the box of the surface are visited.
 ///
 /// \param labels     any grid.
 /// \param surface_L  closed, of any orientation; empty encloses nothing.

@@ -13,7 +13,7 @@ namespace lefort::compare {
 struct DifferenceStatistics {
   double area_mm2 = 0.0;           ///< Of the requested part.
   double compared_fraction = 0.0;  ///< Of that area, 0 to 1.
-  double mean_mm = 0.0;            ///< Of the absolute distance, as all below but the last.
+  double mean_mm = 0.0;            ///< Of the absolute distance, as the next seven.
   double median_mm = 0.0;
   double p90_mm = 0.0;
   double p95_mm = 0.0;

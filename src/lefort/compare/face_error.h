@@ -42,7 +42,7 @@ struct RegionError {
                                                   std::span<const FaceRegion> region_of,
                                                   const geometry::Bvh& achieved_L);
 
-/// The same from a difference that was measured before.
+/// As above, from a difference that was already measured.
 ///
 /// \param difference  of the face to the achieved face.
 /// \param region_of   one per vertex of the face.

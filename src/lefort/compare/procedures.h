@@ -22,7 +22,7 @@ namespace lefort::compare {
 /// \param planned    the segments.
 /// \param landmarks  before surgery.
 /// \param bones      of the landmarks (plan::bones_of_landmarks()).
-/// \returns one entry per segment; kUnknown if nothing decides.
+/// \returns one entry per segment; kUnknown if no rule applies.
 [[nodiscard]] std::vector<Procedure> procedures_of(
     std::span<const plan::PlannedSegment> planned, std::span<const plan::Landmark> landmarks,
     std::span<const std::optional<std::size_t>> bones);

@@ -34,7 +34,7 @@ struct AchievedMovement {
 ///
 /// \param bones         of the plan.
 /// \param skull_after   after surgery, in its scan's frame.
-/// \returns the motion from L to the scan's frame, or what register_surface() returns.
+/// \returns the motion from L to the scan's frame, or the errors of register_surface().
 [[nodiscard]] Result<Registration> register_remainder(const PlannedBones& bones,
                                                       const geometry::TriangleMesh& skull_after,
                                                       Progress& progress = Progress::none());
@@ -43,7 +43,7 @@ struct AchievedMovement {
 ///
 /// \param bones    of the plan; `segments`, `segments_B` and `planned_LB` have the same size.
 /// \param after_L  bone after surgery, registered by register_remainder().
-/// \returns one movement per segment, or what register_segment() returns.
+/// \returns one movement per segment, or the errors of register_segment().
 [[nodiscard]] Result<std::vector<AchievedMovement>> recover_movements(
     const PlannedBones& bones, const geometry::TriangleMesh& after_L,
     Progress& progress = Progress::none());

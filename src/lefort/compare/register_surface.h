@@ -39,7 +39,8 @@ struct Registration {
 ///   options.max_points.
 /// \param onto      the surface to register with; closed or open.
 /// \param starts    initial alignments, one or more. Each is iterated with few points; the one of
-///   the smallest median distance (the first of equals) is continued with the points above.
+///   the smallest median distance (the first of equals) is continued with up to
+///   options.max_points points.
 /// \param options   points, iterations and the acceptable distance.
 /// \param progress  receives the fraction done; may request a stop.
 /// \returns the motion, or

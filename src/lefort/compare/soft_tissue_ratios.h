@@ -73,8 +73,9 @@ struct MovedSegments {
 /// A ratio is given if the bone moves by 1 mm or more along the axis: below that, it is mostly the
 /// error of the displacements. Published ranges depend on the procedure: the template of the
 /// osteotomy; without one, the landmarks on the segment; without these, the segment it was cut
-/// from. If a Le Fort I segment and the distal segment of a sagittal split both move, studies of
-/// bimaxillary surgery are included.
+/// from. Parts of the maxilla that move apart laterally by 1 mm or more count as an expansion. If a
+/// Le Fort I segment and the distal segment of a sagittal split both move, studies of bimaxillary
+/// surgery are included.
 ///
 /// \param skin_L           before surgery.
 /// \param displacement_mm  predicted, one per vertex of the skin.

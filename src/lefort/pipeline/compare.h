@@ -14,7 +14,7 @@ namespace lefort::pipeline {
 struct CompareJob {
   std::filesystem::path face;                     ///< A surface, or the folder of a prediction.
   std::optional<std::filesystem::path> other;     ///< The other face; as `face`.
-  std::optional<std::filesystem::path> after_ct;  ///< Scan after surgery; `other` is not used.
+  std::optional<std::filesystem::path> after_ct;  ///< Scan after surgery, instead of `other`.
   /// The skin before surgery, for the baseline; default: that of the prediction `face`.
   std::optional<std::filesystem::path> before;
   /// Before surgery; they define the regions. Default: those of the plan of the prediction `face`.
@@ -27,12 +27,13 @@ struct CompareJob {
 /// of each segment.
 ///
 /// \returns the summary, or
-///   - kInvalidArgument  there is nothing to compare with, `face` is not the folder of a finished
-///     prediction where one is needed, an input is one of the files to be written, or no point has
-///     a counterpart within 20 mm;
+///   - kInvalidArgument  neither or both of `other` and `after_ct` are given, a folder is not that
+///     of a finished prediction, `face` is not a folder although `after_ct` is given, an input is
+///     one of the files to be written, or no point has a counterpart within 20 mm;
 ///   - kFileNotFound, kFileUnsupported, kFileCorrupt, kMeshInvalid  from reading surfaces and
 ///     landmarks;
-///   - kPlanInvalid      the plan of the prediction `face` is invalid;
+///   - kPlanInvalid      the plan of the prediction `face` is invalid, or right and left landmarks
+///     are exchanged;
 ///   - the errors of find_surgery() (pipeline/compare/register_after_surgery.h);
 ///   - kFileUnwritable   a result cannot be written;
 ///   - kCancelled        `progress` requested a stop.

@@ -24,7 +24,7 @@ struct ImportJob {
 ///   - kFileNotFound      the source does not exist;
 ///   - kFileUnsupported   its format, dimensions or modality are not supported;
 ///   - kFileCorrupt       it is truncated or damaged, slices are missing, or the grid is invalid;
-///   - kInvalidArgument   several series and none chosen, or another ending of the output;
+///   - kInvalidArgument   several series and none chosen, or `output` has another ending;
 ///   - kAccessDenied, kConnectionFailed  from io::read_dicomweb();
 ///   - kFileUnwritable    the volume cannot be written;
 ///   - kCancelled         `progress` requested a stop.

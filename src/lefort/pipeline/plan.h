@@ -50,8 +50,8 @@ struct PlanCheckSummary {
   bool has_findings = false;  ///< Overlap, gap or missing support beyond the limits.
 };
 
-/// Checks the segments at the end of their paths for overlap, gaps and missing support; writes
-/// check.json, surfaces and pictures.
+/// Checks for overlap along the paths of the segments, and for gaps and missing support at their
+/// ends; writes check.json, surfaces and pictures.
 ///
 /// \returns the summary, or
 ///   - kFileNotFound     plan, scan or skull does not exist;

@@ -34,7 +34,7 @@ struct PredictJob {
 ///   - kFileNotFound    plan or scan does not exist;
 ///   - kPlanInvalid     the plan is invalid or names no scan, or a file that it names was changed
 ///     during the run;
-///   - the errors of prepare_case() and predict::predict_face();
+///   - the errors of read_plan_of_scan(), prepare_case() and predict::predict_face();
 ///   - kNotConverged    the solver did not reach the end of the path: failure.json has its history;
 ///   - kFileUnwritable  a result cannot be written;
 ///   - kCancelled       `progress` requested a stop.

@@ -28,7 +28,8 @@ struct SegmentJob {
 /// \returns the summary, or
 ///   - the errors of io::import_volume();
 ///   - the errors of io::read_segmentation(), with `labels`;
-///   - kAnatomyMissing   the scan is empty or constant, or contains no skin or no bone;
+///   - kAnatomyMissing   the scan is empty or constant, contains no skin, no bone or no air around
+///     the patient, or has too few different values for `auto_thresholds`;
 ///   - kInvalidArgument  an option is out of range, or the scan is too large for the memory limit;
 ///   - kMeshInvalid      no surface of bone or skin was found;
 ///   - kMeshingFailed    the surface could not be simplified;

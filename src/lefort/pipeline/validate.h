@@ -33,6 +33,7 @@ struct ValidateJob {
 ///   - kFileNotFound     the cohort does not exist;
 ///   - kInvalidArgument  the cohort has no case, or one of cohort and output contains the other;
 ///   - kFileUnwritable   a result could not be written;
+///   - kOutOfMemory      a case needs more memory than available;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<Summary> validate_cohort(const ValidateJob& job, Progress& progress);
 
@@ -51,8 +52,9 @@ struct CalibrateJob {
 /// writes calibration.json, calibration.csv and calibration.html. Evaluations are stored: a run
 /// that was stopped resumes, and writes the same bytes.
 ///
-/// \returns the summary; as validate_cohort(); or kInvalidArgument for an unknown parameter or
-///   fewer than two cases that can be predicted.
+/// \returns the summary; the errors of validate_cohort() and fit_parameters(); kInvalidArgument for
+///   an unknown or repeated parameter or fewer than two cases that can be predicted; or the error
+///   of a case that cannot be predicted with the values fitted without it.
 [[nodiscard]] Result<Summary> calibrate_cohort(const CalibrateJob& job, Progress& progress);
 
 struct PhantomCohortJob {
@@ -66,7 +68,8 @@ struct PhantomCohortJob {
 };
 
 /// Writes a cohort of synthetic cases: a scan before surgery, a plan, the skin after surgery, and
-/// truth.json with the parameters that the faces were made with.
+/// truth.json with the parameters that the faces were made with. A case that cannot be predicted is
+/// drawn again, up to 20 times.
 ///
 /// \returns the summary, or
 ///   - kFileUnwritable  the output is not empty, or a file cannot be written;

@@ -22,7 +22,7 @@ struct PlannedSegment {
   OsteotomyOptions cut;
   std::string cut_from{};  ///< The earlier segment it is cut from; empty: the remainder.
   geometry::RigidPath path{};
-  bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap it leaves.
+  bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap.
   /// The segment is the whole mandible. Nothing is cut: of the osteotomy only the name is used. For
   /// autorotation, and for cases given as surfaces whose osteotomy lines are not known.
   bool is_whole_mandible = false;
@@ -60,7 +60,7 @@ struct CutSegments {
                                                std::span<const PlannedSegment> planned,
                                                Progress& progress = Progress::none());
 
-/// The same for a plan in which one segment may be the whole mandible.
+/// As above, for a plan in which one segment may be the whole mandible.
 ///
 /// \param skull_L     closed; without the mandible if `mandible_L` is given.
 /// \param mandible_L  closed; null if the mandible is part of `skull_L`.

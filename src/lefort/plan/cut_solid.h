@@ -15,7 +15,7 @@ namespace lefort::plan {
 inline constexpr double kMaxKerf_mm = 5.0;
 
 /// \param osteotomy  of any kind.
-/// \returns nothing, or kPlanInvalid with the name of the osteotomy and the reason (see
+/// \returns nothing, or kPlanInvalid with the name of the segment and the reason (see
 ///   perform_osteotomy()).
 [[nodiscard]] Result<void> check_osteotomy(const Osteotomy& osteotomy);
 
@@ -24,7 +24,7 @@ inline constexpr double kMaxKerf_mm = 5.0;
 [[nodiscard]] bool is_of_sheets(const Osteotomy& osteotomy);
 
 /// \param osteotomy  checked by check_osteotomy().
-/// \returns whether it consists of unbounded planes only, which need no solid.
+/// \returns whether it consists of one region of unbounded planes; only its kerf needs a solid.
 [[nodiscard]] bool is_of_planes(const Osteotomy& osteotomy);
 
 /// \param planes  unbounded.
@@ -34,8 +34,9 @@ inline constexpr double kMaxKerf_mm = 5.0;
 /// \param osteotomy  checked by check_osteotomy(), not of sheets.
 /// \param box        bounds the solid.
 /// \param grow_mm    outward offset of the faces [mm], >= 0.
-/// \returns the solid within the cuts, a closed surface; kMeshingFailed or kPlanInvalid if the cuts
-///   do not enclose one.
+/// \returns the solid within the cuts, a closed surface; or
+///   - kInvalidArgument  a curve crosses itself after `grow_mm` is applied;
+///   - kMeshingFailed    the solids of curves or regions cannot be combined.
 [[nodiscard]] Result<geometry::TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box,
                                                        double grow_mm);
 

@@ -29,7 +29,7 @@ struct LandmarkKind {
   bool is_paired;            ///< The names end in "-R" and "-L", the patient's sides.
 };
 
-/// \returns all standard landmarks, those of bone first.
+/// \returns all standard landmarks, those of bone and teeth first.
 [[nodiscard]] std::span<const LandmarkKind> landmark_kinds();
 
 /// \param name  with the side: "Or-R".

@@ -27,9 +27,9 @@ namespace lefort::plan {
 ///   - a target has no landmark, or the targets do not determine the motion (see
 ///     geometry/fit_rigid.h);
 ///   - a distance exceeds the tolerance (the message names the landmark);
-///   - the rotation exceeds 45 degrees, or the sides of the targets contradict L (see
-///     patient_left_axis()). Both indicate exchanged sides. The tolerance alone does not find them,
-///     because a rotation can also bring three points to their mirror image.
+///   - the rotation exceeds 45 degrees, or patient_left_axis() rejects the targets. Both indicate
+///     that -R and -L are exchanged. The tolerance alone does not find this, because a rotation can
+///     also bring three points to their mirror image.
 [[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                              std::span<const Landmark> targets,
                                                              double tolerance_mm);

@@ -31,7 +31,7 @@ struct TemplateOptions {
   double above_palate_mm = 5.0;
   /// Le Fort I to III: of the posterior plane at the pterygomaxillary junction, posterior to PNS.
   double behind_palate_mm = 0.0;
-  /// Le Fort III: of the lateral plane through lateral orbital wall and zygomatic arch, posterior
+  /// Le Fort III: of the coronal plane through lateral orbital wall and zygomatic arch, posterior
   /// to FZ.
   double behind_rim_mm = 12.0;
   double above_pogonion_mm = 6.0;  ///< Genioplasty: of the anterior start of the cut, above Pg.

@@ -39,15 +39,18 @@ struct OsteotomyResult {
 /// \param options    below these bounds, pieces are fragments.
 /// \param progress   of the cuts; may request a stop.
 /// \returns both parts, or
-///   - kPlanInvalid      the osteotomy has no plane or curve, or one that is not finite, has no
-///     direction, or crosses itself; bounded planes are combined with other cuts; the kerf is
-///     negative or above 5 mm; an anchor point is not finite;
-///   - kInvalidArgument  an option lies outside its range;
+///   - kPlanInvalid      the osteotomy or an additional region has no plane or curve, or one that
+///     is not finite, has no direction, a size or depth of 0 or less, or crosses itself; bounded
+///     planes are combined with other cuts; the kerf is negative or above 5 mm; an anchor point is
+///     not finite;
+///   - kInvalidArgument  an option lies outside its range, or a curve widened by the kerf crosses
+///     itself;
 ///   - kMeshInvalid      the skull is empty or open;
 ///   - kCutMissesBone    no bone (or only fragments) lies inside the cut, or none outside; a
 ///     bounded plane does not separate the bone; an anchor point is more than 5 mm from any piece
 ///     of `min_piece_ml` within the cut; the kerf removes all of the remainder;
-///   - kMeshingFailed    the surface crosses itself along the cut, or volumes do not add up;
+///   - kMeshingFailed    the surface crosses itself along the cut, the cutting solids cannot be
+///     combined, or volumes do not add up;
 ///   - kCancelled        `progress` requested a stop.
 /// \note segment + remainder + kerf equal the volume of the skull within 0.1 % of the skull and
 ///   within 1 % of the smallest of these three that is not empty.

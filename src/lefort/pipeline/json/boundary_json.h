@@ -8,7 +8,8 @@
 
 namespace lefort::pipeline {
 
-/// Number of boundary nodes, and boundary area, set by each rule and by each painted label.
+/// Number of boundary nodes, and boundary area, set by each rule and by each painted label; the
+/// interface map; and the lips.
 [[nodiscard]] nlohmann::ordered_json boundary_json(const PreparedCase& prepared);
 
 }  // namespace lefort::pipeline

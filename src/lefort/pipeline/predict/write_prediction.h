@@ -52,9 +52,9 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// Writes the pictures and the plots of the mesh into pictures/ (none without pictures), then
-/// report.html and plan.json, and last prediction.json, whose presence shows that all files are
-/// complete.
+/// Writes the pictures and the plots of the mesh into pictures/ (neither if `pictures` is empty),
+/// then report.html and plan.json, and last prediction.json, whose presence shows that all files
+/// are complete.
 ///
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,

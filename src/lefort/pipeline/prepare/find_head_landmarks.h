@@ -20,7 +20,8 @@ namespace lefort::pipeline {
 /// Extracts the surfaces of skull, mandible and skin, and finds the landmarks on them.
 ///
 /// \param labels  on the grid of `ct`.
-/// \returns the landmarks, or kMeshInvalid without bone of the skull or skin.
+/// \returns the landmarks; kMeshInvalid without bone of the skull or without skin; or the errors of
+///   plan::find_landmarks().
 [[nodiscard]] Result<plan::LandmarkSearch> find_head_landmarks(const image::CtVolume& ct,
                                                                const anatomy::LabelMap& labels,
                                                                const anatomy::LevelOptions& levels,

@@ -16,7 +16,8 @@ inline constexpr const char* kInterfaceFile = "interface.vtp";
 inline constexpr const char* kConditionArray = "condition";
 inline constexpr const char* kRuleArray = "rule";
 
-/// Writes the boundary of the tissue at rest, with condition and rule of each vertex.
+/// Writes the boundary of the tissue in the reference configuration, with condition and rule of
+/// each vertex.
 ///
 /// \param file   ending in .vtp.
 /// \param model  triangles are counter-clockwise seen from outside the tissue.

@@ -77,7 +77,8 @@ struct PreparedCase {
 /// \param tissue    sizes and materials.
 /// \param boundary  interface and boundaries.
 /// \param cache     of the mesh and of the field of stationary bone.
-/// \returns the model, or the errors of predict::mesh_tissue() and field::build_distance_field().
+/// \returns the model, or the errors of predict::mesh_tissue() or predict::mesh_tissue_and_skin(),
+///   and field::build_distance_field().
 [[nodiscard]] Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                                       const predict::TissueOptions& tissue,
                                                       const predict::BoundaryOptions& boundary,

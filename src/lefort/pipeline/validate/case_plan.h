@@ -39,7 +39,8 @@ struct CasePlan {
 [[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
                                           std::optional<double> element_size_mm);
 
-/// Replaces the path of a segment by a straight one, with a step for each millimeter (4 to 60).
+/// Replaces the path of a segment by a straight one, with one step per millimeter of the largest
+/// displacement of a vertex (4 to 60 steps).
 ///
 /// \param plan       of draft_plan().
 /// \param segment    number of the segment.

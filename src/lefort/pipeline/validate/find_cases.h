@@ -43,7 +43,8 @@ struct CohortCase {
 /// Finds the files of a case by their names.
 ///
 /// \param folder  of the case, as listed by list_cases().
-/// \returns the case; or kInvalidArgument if before or after is missing or ambiguous.
+/// \returns the case; kInvalidArgument if the head before or after surgery is missing or ambiguous;
+///   or kFileNotFound if the folder cannot be listed.
 [[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder);
 
 /// Hash of the contents of all inputs of a case, and of the files that its plan names. The names of

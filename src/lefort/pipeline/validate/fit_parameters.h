@@ -68,7 +68,7 @@ struct ParameterFit {
 /// Bootstrap intervals of the parameters over the cases of a fit: each replicate is one
 /// Gauss-Newton step with the derivatives of the drawn cases.
 ///
-/// \param fit        of two or more cases.
+/// \param fit        as returned by fit_parameters().
 /// \param bootstrap  see BootstrapOptions.
 /// \returns the interval of each coordinate; NaN for one case.
 [[nodiscard]] std::vector<compare::Interval> fit_intervals(

@@ -22,7 +22,7 @@ struct CaseJob {
 
 /// Returns the stored result if inputs and options are unchanged. Otherwise predicts and compares,
 /// and stores the result in `output`/cases/NAME/result.json. A case that fails has a result with
-/// the reason, which is stored too.
+/// the reason, which is stored too unless the inputs cannot be read.
 ///
 /// \returns the result; or kCancelled, kFileUnwritable or kOutOfMemory, which are not properties of
 ///   the case.

@@ -17,7 +17,7 @@ namespace lefort::server {
 /// Parses a text and validates it against one of the contract's schemas.
 ///
 /// \param schema  existing name in components/schemas.
-/// \returns kPlanInvalid with the key and the error.
+/// \returns the parsed value; or kPlanInvalid with the key and the error.
 [[nodiscard]] Result<nlohmann::json> parse_by_contract(std::string_view text,
                                                        const std::string& schema);
 

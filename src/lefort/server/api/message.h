@@ -47,7 +47,7 @@ struct Response {
   int status = 200;
   std::string type = "application/json";
   std::vector<std::pair<std::string, std::string>> headers{};
-  std::string text{};  ///< The body, unless `bytes`, `file` or events are set.
+  std::string text{};  ///< The body, unless `bytes`, `file` or `events_after` is set.
   std::optional<SharedBytes> bytes = std::nullopt;           ///< A large body.
   std::optional<std::filesystem::path> file = std::nullopt;  ///< A body that is a file.
   /// Event stream, from the event after this id.

@@ -65,7 +65,8 @@ class CaseFolder {
   /// Fingerprints of the inputs of a stage, by name.
   using Inputs = std::map<std::string, std::string>;
 
-  /// Fingerprints of the present inputs of a stage; nothing if one is missing.
+  /// Fingerprints of the present inputs of a stage; nothing if one is missing or the plan is
+  /// invalid.
   ///
   /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison".
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
@@ -91,7 +92,7 @@ class CaseFolder {
   /// Removes the documents that mark a stage as computed, so that the results of an earlier job do
   /// not count as results of inputs recorded later.
   ///
-  /// \param stage  "cut", "check", "preview", "prediction"; other stages have no such document.
+  /// \param stage  "cut", "check", "preview", "prediction"; nothing is removed for others.
   [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
 
   /// State of a stage of kStages (contract/openapi.json, Stage), without jobs.

@@ -11,8 +11,8 @@
 
 namespace lefort::server {
 
-/// Cache of the values used last, by name and entity tag of the file. Thread-safe; other callers
-/// wait while a value is read, so that it is read once.
+/// Cache of the most recently used values, by name and entity tag of the file. Thread-safe; other
+/// callers wait while a value is read, so that it is read once.
 template <class Value>
 class LruCache {
  public:

@@ -23,8 +23,8 @@ class OverlapService {
  public:
   /// Reads the files of cut_plan().
   ///
-  /// \returns the bones; kFileCorrupt if cut.json is damaged; or the errors of io::read_surface()
-  ///   and io::read_field().
+  /// \returns the bones; kFileCorrupt if cut.json is damaged; or the errors of io::read_text(),
+  ///   io::read_surface() and io::read_field().
   [[nodiscard]] static Result<OverlapService> read(const std::filesystem::path& cut_folder,
                                                    const std::filesystem::path& cache);
 

@@ -57,7 +57,7 @@ struct ServedCase {
   void report_stages();
 
  private:
-  /// Factorizes in advance, so that the first preview is as fast as the next.
+  /// Factorizes in advance, so that the first preview is as fast as later ones.
   void warm_preview();
 };
 
