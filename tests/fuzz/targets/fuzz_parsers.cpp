@@ -1,5 +1,6 @@
 // libFuzzer calls the parser that LEFORT_FUZZ_TARGET names with bytes that it makes up
 // (script/fuzz). A crash, an error of a sanitizer, a hang or too much memory is a failure.
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/internal/descriptor.h>
 #include <lefort/io/internal/dicom_file.h>
 #include <lefort/io/internal/gmsh_file.h>
@@ -7,10 +8,12 @@
 #include <lefort/io/internal/plist.h>
 #include <lefort/io/internal/surface_formats.h>
 #include <lefort/io/internal/tar_reader.h>
+#include <lefort/io/internal/validated_json.h>
 #include <lefort/io/internal/volume_header.h>
 #include <lefort/io/internal/vtk_xml.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/markups_file.h>
+#include <lefort/io/plan_schema.h>
 #include <lefort/io/point_table.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/server/http/authorize_request.h>
@@ -163,6 +166,11 @@ constexpr Target kTargets[] = {
     {"points", [](std::string_view bytes) { check(io::parse_points(bytes)); }},
     {"landmarks", [](std::string_view bytes) { check(io::parse_landmark_table(bytes)); }},
     {"markups", [](std::string_view bytes) { check(io::parse_markups(bytes)); }},
+    {"plan",
+     [](std::string_view bytes) {
+       check(
+           io::internal::parse_checked(bytes, io::kPlanSchema, "fuzz", io::deprecated_in_plans()));
+     }},
     {"transform", [](std::string_view bytes) { check(io::parse_transform(bytes)); }},
     {"multipart", multipart},
     {"request", request},
