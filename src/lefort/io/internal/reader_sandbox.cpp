@@ -51,9 +51,10 @@ constexpr int kRefused[] = {
     SCMP_SYS(statx), SCMP_SYS(ioctl),  SCMP_SYS(readlinkat), SCMP_SYS(getcwd),
 };
 
-/// Lowers a limit; one that is lower already remains.
+/// Sets a limit; one that is lower already, as of `ulimit`, remains unless this user may raise it.
 bool set_limit(int resource, rlim_t value) {
-  rlimit limit{};
+  rlimit limit{value, value};
+  if (::setrlimit(resource, &limit) == 0) return true;
   if (::getrlimit(resource, &limit) != 0) return false;
   limit.rlim_max = std::min(limit.rlim_max, value);
   limit.rlim_cur = std::min(limit.rlim_cur, limit.rlim_max);

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -127,6 +128,13 @@ Result<ReaderValues> run_in_child(const Descriptor& input, const ReaderJob& job,
   if (header.magic != ResultHeader::kComplete || header.length > size - sizeof(header))
     return tl::unexpected(damaged_result(job.subject));
   const std::span values = bytes.subspan(sizeof(header), static_cast<std::size_t>(header.length));
+  rlimit file_size{};
+  if (header.state == ResultHeader::kNoMemory && ::getrlimit(RLIMIT_FSIZE, &file_size) == 0 &&
+      file_size.rlim_cur < job.limits.memory_bytes)
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("{} cannot be written to a file in memory: files may have {} bytes "
+                            "(ulimit -f)",
+                            job.subject, file_size.rlim_cur));
   if (header.state == ResultHeader::kNoMemory)
     return fail(ErrorCode::kFileCorrupt, fmt::format("{} need more than {} bytes of memory to read",
                                                      job.subject, job.limits.memory_bytes));
