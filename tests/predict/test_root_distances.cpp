@@ -58,6 +58,20 @@ TEST(RootDistances, AreThoseFromTheCutToTheClosestToothOfEachJaw) {
             "5 mm");
 }
 
+TEST(RootDistances, AreThoseOfAllPiecesOfASegmentThatIsCutAgain) {
+  std::vector<plan::PlannedSegment> planned{
+      {.osteotomy = {"maxilla", {{{0, 0, 1.5}, {0, 0, -1}}}}, .cut = {}},
+      {.osteotomy = {"front", {{{0, 0, 0}, {0, -1, 0}}}}, .cut = {}, .cut_from = "maxilla"}};
+  const auto cut = plan::cut_segments(skull(), planned);
+  ASSERT_TRUE(cut) << cut.error().message;
+  // The tooth at y = -10 is below the part of the first cut that the second segment took.
+  const auto found = root_distances(*cut, planned, labels(), teeth(), 10.0);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].segment, "maxilla");
+  EXPECT_EQ(found[0].jaw, anatomy::Tooth::kUpper);
+  EXPECT_NEAR(found[0].distance_mm, 6.5, 1e-9);
+}
+
 TEST(RootDistances, ThoseBeyondTheLimitAreNotReportedAndACutThroughATooth) {
   const auto near = distances(1.5, 5.0);
   ASSERT_EQ(near.size(), 1U);

@@ -40,14 +40,15 @@ Result<OsteotomyResult> take_mandible(const geometry::TriangleMesh* mandible_L,
   return bones;
 }
 
-/// The piece of bone at a point.
+/// The piece of bone at a point, of at least options.min_piece_ml.
 Result<OsteotomyResult> take_piece(const geometry::TriangleMesh& source_L, const Vec3& at_L,
-                                   const std::string& segment) {
+                                   const OsteotomyOptions& options, const std::string& segment) {
   constexpr double kNearPiece_mm = 5.0;  // As for anchor points.
   const std::vector<BoneBody> bodies = bodies_of(source_L);
   std::size_t nearest = bodies.size();
   double nearest_mm = kNearPiece_mm;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (geometry::signed_volume_mm3(bodies[k].surface) < 1e3 * options.min_piece_ml) continue;
     if (geometry::bounding_box(bodies[k].surface).exteriorDistance(at_L) > nearest_mm) continue;
     const auto closest = geometry::Bvh(bodies[k].surface).closest_point(at_L, nearest_mm);
     if (!closest || (nearest < bodies.size() && closest->distance_mm >= nearest_mm)) continue;
@@ -69,6 +70,12 @@ Result<OsteotomyResult> take_piece(const geometry::TriangleMesh& source_L, const
   bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
   bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
   bones.segment_pieces = 1;
+  if (bones.segment_volume_mm3 > bones.remainder_volume_mm3)
+    return fail(
+        ErrorCode::kCutMissesBone,
+        fmt::format("osteotomy of '{}': the piece at its point has {:.0f} ml, more than all "
+                    "other bone; is it separated from the skull?",
+                    segment, 1e-3 * bones.segment_volume_mm3));
   return bones;
 }
 
@@ -77,7 +84,7 @@ Result<OsteotomyResult> cut_one(const geometry::TriangleMesh& source_L,
                                 const geometry::TriangleMesh* mandible_L, const PlannedSegment& one,
                                 Progress& progress) {
   if (one.is_whole_mandible) return take_mandible(mandible_L, source_L, one.osteotomy.segment);
-  if (one.piece_at_L) return take_piece(source_L, *one.piece_at_L, one.osteotomy.segment);
+  if (one.piece_at_L) return take_piece(source_L, *one.piece_at_L, one.cut, one.osteotomy.segment);
   return perform_osteotomy(source_L, one.osteotomy, one.cut, progress);
 }
 

@@ -27,8 +27,9 @@ struct PlannedSegment {
   /// autorotation, and for cases given as surfaces whose osteotomy lines are not known.
   bool is_whole_mandible = false;
   /// The segment is the whole piece of bone on which this point lies, without a cut: for example a
-  /// proximal segment, which the split of the distal segment left over. As for the whole mandible,
-  /// only the name of the osteotomy is used.
+  /// proximal segment, which the split of the distal segment left over. Pieces smaller than
+  /// cut.min_piece_ml are not considered. As for the whole mandible, only the name of the osteotomy
+  /// is used.
   std::optional<Vec3> piece_at_L{};
 };
 

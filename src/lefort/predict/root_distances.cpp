@@ -50,9 +50,11 @@ std::vector<RootDistance> root_distances(const plan::CutSegments& cut,
   constexpr std::array kJaws{anatomy::Tooth::kUpper, anatomy::Tooth::kLower};
   constexpr std::array kBones{anatomy::Tissue::kBone, anatomy::Tissue::kMandible};
   const std::array centers_L{centers_of(teeth, kJaws[0]), centers_of(teeth, kJaws[1])};
+  // With the faces of segments that were later cut from the segment.
+  const auto zones = plan::elevation_zones(cut, planned, std::nullopt);
   std::vector<RootDistance> found;
   for (std::size_t k = 0; k < planned.size(); ++k) {
-    const auto cut_L = plan::cut_faces(cut.segments_L[k], planned[k].osteotomy);
+    const geometry::TriangleMesh& cut_L = zones[k].cut_faces_L;
     for (std::size_t jaw = 0; jaw < kJaws.size(); ++jaw) {
       geometry::TriangleMesh faces_L = faces_in(cut_L, labels, kBones[jaw]);
       if (faces_L.triangles.empty()) continue;

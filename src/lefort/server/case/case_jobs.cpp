@@ -107,7 +107,10 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
       .ct = folder.ct(), .output = folder.anatomy(), .options = {}, .finish = {}, .labels = {}};
   if (there_is(folder.plan())) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));
-    if (const auto plan = io::read_plan(folder.plan())) segment.options = plan->segmentation;
+    if (const auto open = io::read_open_plan(folder.plan()); open && *open)
+      segment.options = (*open)->plan.segmentation;
+    else if (const auto plan = io::read_plan(folder.plan()))
+      segment.options = plan->segmentation;
   }
   segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
   segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
