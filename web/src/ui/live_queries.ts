@@ -41,7 +41,9 @@ export class LiveQueries {
         this.listeners.onDepths(depths);
         const span = now - loop.times[0];
         const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
-        this.planner.patch({ depth: { deepest_mm: depths.deepest_mm, depthIsLowerBound: depths.depthIsLowerBound, perSecond } });
+        this.planner.patch({
+          depth: { deepest_mm: depths.deepest_mm, depthIsLowerBound: depths.depthIsLowerBound, perSecond },
+        });
       } catch {
         this.listeners.onDepths(null);
         this.planner.patch({ depth: null });
