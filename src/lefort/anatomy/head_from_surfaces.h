@@ -26,9 +26,9 @@ struct LabeledScan {
 };
 
 /// Voxelizes a head. Near a surface CT numbers are linear in the distance to it, so that the
-/// iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. They reach the
-/// number of soft tissue, 40 HU, half a voxel from a surface, that of air, -1000 HU, about one
-/// voxel outside the skin, and that of bone, 1200 HU, 2.6 voxels inside the bone. The mandible
+/// iso-surfaces at the default thresholds (226 and -300 HU) lie on the surfaces. The CT numbers
+/// reach that of soft tissue, 40 HU, half a voxel from a surface; that of air, -1000 HU, about one
+/// voxel outside the skin; and that of bone, 1200 HU, 2.6 voxels inside the bone. The mandible
 /// takes precedence over the skull, bone over soft tissue. The brain is found as in a scan; airway
 /// and sinuses are unknown and count as soft tissue.
 ///

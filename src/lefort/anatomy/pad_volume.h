@@ -82,7 +82,7 @@ template <class T>
   return cropped(wide, margin, cropped(wide.grid, margin));
 }
 
-/// Overwrites the voxels within a margin.
+/// Overwrites the voxels that a margin encloses; the voxels of the margin keep their values.
 ///
 /// \param inner   cropped from `wide`.
 /// \param margin  of `wide`.
@@ -95,8 +95,9 @@ void paste(const image::Volume<T>& inner, const Margin& margin, image::Volume<T>
         wide.at(i + margin.first[0], j + margin.first[1], k + margin.first[2]) = inner.at(i, j, k);
 }
 
-/// The margin around the box of all voxels for which `belongs(offset)` is true, extended by
-/// `around` voxels along each axis; if there are no such voxels, the margin is the whole grid.
+/// The margin of the grid that lies outside a box: the bounding box of all voxels for which
+/// `belongs(offset)` is true, enlarged by `around` voxels on each side. If there are no such
+/// voxels, the margin is the whole grid.
 template <class Predicate>
 [[nodiscard]] Margin margin_around(const image::Grid& grid, const std::array<Index, 3>& around,
                                    const Predicate& belongs) {

@@ -35,7 +35,7 @@ struct TemplateOptions {
   /// to FZ.
   double behind_rim_mm = 12.0;
   double above_pogonion_mm = 6.0;  ///< Genioplasty: of the anterior start of the cut, above Pg.
-  double split_depth_mm = 5.0;     ///< Sagittal split: of the sagittal plane, medial to Go.
+  double split_depth_mm = 5.0;     ///< Sagittal split: of the plane of the split, medial to Go.
   double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
 };
 

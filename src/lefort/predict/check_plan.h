@@ -52,10 +52,11 @@ struct PlanFinding {
 struct PlanCheck {
   std::vector<BoneOverlapAtFraction> overlaps;  ///< The deepest of each pair that overlaps.
   std::vector<SegmentSupport> supports;         ///< One for each segment.
-  std::vector<PlanFinding> findings;            ///< Empty if all limits are met.
+  std::vector<PlanFinding> findings;            ///< Empty if all limits that were checked are met.
 };
 
-/// Moves all segments together along their paths and checks the limits.
+/// Moves all segments together along their paths and checks all limits except PlanLimits::root_mm,
+/// which pipeline/plan/check_plan_file.cpp checks.
 ///
 /// Overlap is measured at every step of the path with the most steps and at every keyframe. Cut
 /// faces are the parts of a segment's surface that at rest lie within the kerf width plus

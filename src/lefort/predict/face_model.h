@@ -25,7 +25,7 @@ struct ContactBone {
 struct FaceModel {
   mesh::VolumeMesh tissue;            ///< With the sets of tissue_boundary.h.
   std::vector<ContactBone> segments;  ///< One or more, in the order of the plan.
-  /// Needed if tissue slides on it, or if there is a set sets::kStationaryContact.
+  /// Needed if tissue on it is sliding or elevated, or if there is a set sets::kStationaryContact.
   std::optional<ContactBone> stationary_bone = std::nullopt;
   /// Conditions of the tissue boundary. Empty: only the sets define conditions.
   InterfaceMap interface = {};

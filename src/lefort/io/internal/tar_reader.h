@@ -22,7 +22,8 @@ namespace lefort::io {
 [[nodiscard]] Result<std::string> read_from_tar(int archive, std::string_view name,
                                                 std::uint64_t max_bytes);
 
-/// Archives of more bytes uncompressed are rejected.
+/// At most this many uncompressed bytes are read to find an entry; an archive in which it ends
+/// later is rejected.
 inline constexpr std::uint64_t kMaxUnpacked = std::uint64_t{8} << 30;
 
 }  // namespace lefort::io

@@ -62,7 +62,8 @@ class HttpServer {
   /// Serves until stop(). \pre bind() succeeded.
   void run();
 
-  /// Whether run() is listening; stop() has no effect before.
+  /// Whether run() is listening. A stop() before that does not prevent run() from serving, but ends
+  /// all event streams.
   [[nodiscard]] bool is_running() const;
 
   /// Can be called from any thread, but not from a signal handler.
