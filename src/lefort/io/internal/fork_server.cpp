@@ -87,15 +87,20 @@ Message receive_message(int socket, std::span<char> buffer) {
 }
 
 /// Makes `numbers` the descriptors 3, 4, ... of this process, 0 to 2 /dev/null, and closes all
-/// others.
+/// others. Ends the process if that fails, as on Linux before 5.9.
 void keep_only(std::span<const int> numbers) {
   std::array<int, kMaxDescriptors> high{};
   for (std::size_t n = 0; n < numbers.size(); ++n)
     high[n] = ::fcntl(numbers[n], F_DUPFD_CLOEXEC, 16);
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (int standard = 0; standard < 3; ++standard) ::dup2(nowhere, standard);
-  for (std::size_t n = 0; n < numbers.size(); ++n) ::dup2(high[n], 3 + static_cast<int>(n));
-  ::close_range(3 + static_cast<unsigned>(numbers.size()), ~0U, 0);
+  bool is_done = true;
+  for (int standard = 0; standard < 3; ++standard)
+    is_done = ::dup2(nowhere, standard) == standard && is_done;
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    const int number = 3 + static_cast<int>(n);
+    is_done = ::dup2(high[n], number) == number && is_done;
+  }
+  if (::close_range(3 + static_cast<unsigned>(numbers.size()), ~0U, 0) != 0 || !is_done) ::_exit(0);
 }
 
 /// Executes the task and writes its result; the header is last, so that it is that of a whole one.
