@@ -22,8 +22,8 @@ struct StreakReduction {
 /// each side: their dilation and erosion (\cite serra1982). So bone, teeth, skin and air may lie up
 /// to 3 mm beyond their position in those two, and a streak further away is removed. Bone that both
 /// show remains bone, also where a streak is dark. Soft tissue may lie up to 8 mm beyond: lips,
-/// nose and ears. Slices are not changed if those two are more than 30 mm apart, or one of them is
-/// missing.
+/// nose and ears. Slices are not changed if the distance of those two exceeds 30 mm, or one of them
+/// is missing.
 ///
 /// The image domain is corrected because scans are stored without their projections, which the
 /// interpolation of \cite kalender1987 needs.

@@ -12,7 +12,7 @@
 namespace lefort::plan {
 
 Result<CondylarAxis> condylar_axis(std::span<const Landmark> landmarks) {
-  constexpr double kMinDistance_mm = 50.0;  // Of the condyles; a child's are 70 mm apart.
+  constexpr double kMinDistance_mm = 50.0;  // Of the condyles; 70 mm in a child.
   const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
   LEFORT_TRY_VOID(patient_left_axis(landmarks));
   std::array<Vec3, 2> centers_L{Vec3::Zero(), Vec3::Zero()};

@@ -21,7 +21,19 @@ std::size_t index_of(std::span<const PlannedSegment> planned, std::size_t end,
       planned.begin());
 }
 
-/// The whole mandible as the segment of an osteotomy that cuts nothing.
+/// A bone in one piece as the segment of an osteotomy that cuts nothing.
+OsteotomyResult without_cut(geometry::TriangleMesh segment_L, geometry::TriangleMesh remainder_L) {
+  OsteotomyResult bones;
+  bones.segment_volume_mm3 = geometry::signed_volume_mm3(segment_L);
+  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(remainder_L);
+  bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
+  bones.segment_pieces = 1;
+  bones.segment_L = std::move(segment_L);
+  bones.remainder_L = std::move(remainder_L);
+  return bones;
+}
+
+/// The whole mandible.
 Result<OsteotomyResult> take_mandible(const geometry::TriangleMesh* mandible_L,
                                       const geometry::TriangleMesh& skull_L,
                                       const std::string& segment) {
@@ -30,14 +42,7 @@ Result<OsteotomyResult> take_mandible(const geometry::TriangleMesh* mandible_L,
                 fmt::format("osteotomy of '{}': the mandible is not a bone of its own, must be "
                             "labeled as mandible and not be taken by an earlier segment",
                             segment));
-  OsteotomyResult bones;
-  bones.segment_L = *mandible_L;
-  bones.remainder_L = skull_L;
-  bones.segment_volume_mm3 = geometry::signed_volume_mm3(bones.segment_L);
-  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
-  bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
-  bones.segment_pieces = 1;
-  return bones;
+  return without_cut(*mandible_L, skull_L);
 }
 
 /// The piece of bone at a point, of at least options.min_piece_ml.
@@ -63,13 +68,7 @@ Result<OsteotomyResult> take_piece(const geometry::TriangleMesh& source_L, const
   std::vector<bool> is_segment(bodies.size(), false), is_rest(bodies.size(), true);
   is_segment[nearest] = true;
   is_rest[nearest] = false;
-  OsteotomyResult bones;
-  bones.segment_L = gather(bodies, is_segment);
-  bones.remainder_L = gather(bodies, is_rest);
-  bones.segment_volume_mm3 = geometry::signed_volume_mm3(bones.segment_L);
-  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
-  bones.skull_volume_mm3 = bones.segment_volume_mm3 + bones.remainder_volume_mm3;
-  bones.segment_pieces = 1;
+  OsteotomyResult bones = without_cut(gather(bodies, is_segment), gather(bodies, is_rest));
   if (bones.segment_volume_mm3 > bones.remainder_volume_mm3)
     return fail(
         ErrorCode::kCutMissesBone,

@@ -42,9 +42,8 @@ std::optional<Extremum> find_anterior_spine(const SurfaceCrossings& front, doubl
                                             double voxel_mm) {
   constexpr double kBelow_mm = 6.0, kAbove_mm = 4.0, kHalf_mm = 4.0;
   const Vec3 direction = Vec3(0.0, -0.94, 0.34).normalized();  // 20 degrees above the horizontal.
-  const auto tip =
-      find_extremum(mid_profile(front, kHalf_mm, floor_mm - kBelow_mm, floor_mm + kAbove_mm),
-                    direction, voxel_mm);
+  auto tip = find_extremum(mid_profile(front, kHalf_mm, floor_mm - kBelow_mm, floor_mm + kAbove_mm),
+                           direction, voxel_mm);
   if (!tip || tip->point.z() > floor_mm - kBelow_mm + voxel_mm) return tip;
   return find_extremum(
       mid_profile(front, kHalf_mm, floor_mm - 0.5 * voxel_mm, floor_mm + 0.5 * voxel_mm), kAnterior,

@@ -161,6 +161,7 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options));
   LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, materials));
   std::vector<const fem::ForceTerm*> terms;
+  terms.reserve(elements.size());
   for (const auto& term : elements) terms.push_back(term.get());
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(), fem::prescribe_zero(fixed)));
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);

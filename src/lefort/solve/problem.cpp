@@ -30,6 +30,7 @@ std::vector<WeightedContact> make_weighted_contacts(
   for (std::vector<std::size_t>& group : groups) {
     const std::size_t first = group[0];
     std::vector<contact::RigidObstacle> of_group;
+    of_group.reserve(group.size());
     for (const std::size_t i : group) of_group.push_back(obstacles[i]);
     contacts.push_back({std::move(group),
                         {prepared.mesh.nodes_L,

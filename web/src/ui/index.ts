@@ -22,7 +22,7 @@ function applyTheme(theme: State['theme']): void {
 }
 
 export function startPlanner(root: HTMLElement): void {
-  root.textContent = ''; // Removes the placeholder of index.html.
+  root.textContent = ''; // index.html shows a text until the page is loaded.
   const view = new Viewer();
   const token = takeToken();
   const app = new App(new Client('api/v1', token ?? ''), view);

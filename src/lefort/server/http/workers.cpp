@@ -12,7 +12,7 @@ thread_local bool is_sending_away = false;
 
 Workers::Workers(const HttpLimits& limits) : limits_(limits) {
   for (int n = 0; n < limits.threads; ++n) threads_.emplace_back([this] { work(); });
-  evictor_ = std::thread([this] { evict_idle(); });
+  evictor_ = std::thread([this] { evict_slow_connections(); });
 }
 
 bool Workers::is_rejecting() { return is_sending_away; }
@@ -61,14 +61,14 @@ void Workers::leave(const Connection* connection) {
 void Workers::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    ++idle_;
+    ++idle_threads_;
     wake_.wait(lock, [&] { return is_ending_ || !tasks_.empty(); });
-    --idle_;
+    --idle_threads_;
     if (tasks_.empty()) return;
     const std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();
     // The evictor may have seen this thread idle when the tasks that still wait were added.
-    if (idle_ == 0 && !tasks_.empty()) wake_evictor_.notify_one();
+    if (idle_threads_ == 0 && !tasks_.empty()) wake_evictor_.notify_one();
     is_sending_away = is_ending_;
     lock.unlock();
     try {
@@ -80,11 +80,12 @@ void Workers::work() {
 }
 
 /// Evicts slow connections while others wait.
-void Workers::evict_idle() {
+void Workers::evict_slow_connections() {
   std::unique_lock lock(mutex_);
   while (!is_ending_) {
-    if (tasks_.empty() || idle_ > 0) {
-      wake_evictor_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
+    if (tasks_.empty() || idle_threads_ > 0) {
+      wake_evictor_.wait(lock,
+                         [&] { return is_ending_ || (!tasks_.empty() && idle_threads_ == 0); });
       continue;
     }
     const auto too_long_ago = Connection::Clock::now() - limits_.eviction_timeout;

@@ -16,7 +16,7 @@
 namespace lefort::server {
 
 /// New connections are rejected when too many wait for a thread. While connections wait, one that
-/// occupies a thread without a complete request header is evicted.
+/// occupies a thread without a complete request header, or does not read its response, is evicted.
 class Workers final : public httplib::TaskQueue {
  public:
   /// \param limits  must outlive this object.
@@ -34,14 +34,14 @@ class Workers final : public httplib::TaskQueue {
 
  private:
   void work();
-  void evict_idle();
+  void evict_slow_connections();
 
   const HttpLimits& limits_;
   std::mutex mutex_;
   std::condition_variable wake_, wake_evictor_;
   std::deque<std::function<void()>> tasks_;
   std::set<const Connection*> connections_;
-  int idle_ = 0;
+  int idle_threads_ = 0;
   bool is_ending_ = false;
   std::vector<std::thread> threads_;
   std::thread evictor_;
