@@ -58,11 +58,10 @@ TEST(InterfaceSupports, OfElevatedTissueCoverItsAreaAlongTheNormalOutOfTheBone) 
   const FaceModel model = block_with(Condition::kElevated);
   const auto supports = supports_of(model).on_segments[0];
   ASSERT_EQ(supports.size(), model.tissue.node_sets.at("z0").size());
-  const LayerStiffness layer = layer_stiffness(kLayerYoung_mpa, kLayerPoisson, 1.0);
   double inner_mm2 = 0.0;
   for (const contact::NodalSupport& support : supports) {
     const Vec3& p = model.tissue.nodes_L[std::size_t(support.node)];
-    EXPECT_EQ(support.normal_mpa_per_mm, layer.normal_mpa_per_mm);
+    EXPECT_EQ(support.normal_mpa_per_mm, 0.0);  // Contact alone resists compression.
     EXPECT_EQ(support.tension_mpa_per_mm, 0.0);
     EXPECT_EQ(support.tangential_mpa_per_mm, 0.0);
     EXPECT_TRUE(support.follows_surface);
@@ -178,13 +177,12 @@ TEST(InterfaceSupports, SlidingAndElevatedTissueDoNotFollowTheMotionAlongTheBone
   EXPECT_LT(std::abs(moved(elevated, 0.5).x()), 0.1);
 }
 
-TEST(InterfaceSupports, PreviewOfElevatedTissueIsThePredictionToFirstOrder) {
-  FaceModel model = block_with(Condition::kElevated);
-  model.tissue.face_sets.at(sets::kContact).clear();  // The springs alone.
+/// Pulls and pushes the block.
+void expect_preview_is_prediction(const FaceModel& model, const PredictionOptions& options) {
   const FacePreview preview(
       make_preview_model(model, test::surface_of(model), {}, {}, Vec3::Ones()).value());
-  for (const Vec3& by_mm : {Vec3(0.05, 0.03, -0.1), Vec3(0.05, 0.03, 0.1)}) {  // Pull and push.
-    const auto prediction = predict_face(model, {test::straight(by_mm, 1)}, {}).value();
+  for (const Vec3& by_mm : {Vec3(0.05, 0.03, -0.1), Vec3(0.05, 0.03, 0.1)}) {
+    const auto prediction = predict_face(model, {test::straight(by_mm, 1)}, options).value();
     ASSERT_TRUE(prediction.converged());
     RigidTransform pose = RigidTransform::Identity();
     pose.translation() = by_mm;
@@ -195,6 +193,19 @@ TEST(InterfaceSupports, PreviewOfElevatedTissueIsThePredictionToFirstOrder) {
                     .norm(),
                 0.005);
   }
+}
+
+TEST(InterfaceSupports, PreviewOfSlidingTissueThatMaySeparateIsThePredictionToFirstOrder) {
+  FaceModel model = block_with(Condition::kSliding);
+  model.tissue.face_sets.at(sets::kContact).clear();  // The springs alone.
+  for (NodeInterface& one : model.interface.nodes) one.may_separate = true;
+  expect_preview_is_prediction(model, {});
+}
+
+TEST(InterfaceSupports, PreviewOfElevatedTissueIsThePredictionToFirstOrder) {
+  PredictionOptions options;
+  options.contact.penetration_tolerance_mm = 0.001;
+  expect_preview_is_prediction(block_with(Condition::kElevated), options);
 }
 
 }  // namespace

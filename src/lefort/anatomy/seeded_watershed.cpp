@@ -11,22 +11,22 @@ namespace {
 constexpr double kLevel_mm = 0.1;
 constexpr std::size_t kLevels = 1000;
 
-std::size_t level_of(float width_mm) {
-  return std::size_t(std::clamp(double(width_mm) / kLevel_mm, 0.0, double(kLevels - 1)));
+std::size_t level_of(float half_width_mm) {
+  return std::size_t(std::clamp(double(half_width_mm) / kLevel_mm, 0.0, double(kLevels - 1)));
 }
 
 }  // namespace
 
 image::Volume<std::int32_t> seeded_watershed(const image::Volume<std::int32_t>& seeds,
                                              const Mask& room,
-                                             const image::ScalarVolume& width_mm) {
+                                             const image::ScalarVolume& half_width_mm) {
   const image::Grid& grid = room.grid;
   image::Volume<std::int32_t> basins = seeds;
   // One first-in-first-out queue per level; the largest width comes first.
   std::vector<std::vector<Index>> queues(kLevels);
   for (Index v = 0; v < grid.voxel_count(); ++v)
     if (seeds.values[std::size_t(v)] != 0)
-      queues[level_of(width_mm.values[std::size_t(v)])].push_back(v);
+      queues[level_of(half_width_mm.values[std::size_t(v)])].push_back(v);
 
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
   for (std::size_t level = kLevels; level-- > 0;) {
@@ -43,7 +43,7 @@ image::Volume<std::int32_t> seeded_watershed(const image::Volume<std::int32_t>& 
           const std::size_t other = std::size_t(v + side * stride[axis]);
           if (room.values[other] == 0 || basins.values[other] != 0) continue;
           basins.values[other] = basins.values[std::size_t(v)];
-          queues[std::min(level, level_of(width_mm.values[other]))].push_back(Index(other));
+          queues[std::min(level, level_of(half_width_mm.values[other]))].push_back(Index(other));
         }
       }
     }

@@ -22,8 +22,9 @@ struct DetectionOptions {
   int repeats = 15;  ///< The fastest is reported: disturbances only slow a run.
 };
 
-/// Measures distance and normal at the same points near a moved skull of 96,190 triangles: with
-/// fields also the Hessian, with CGAL only the distance.
+/// Measures the time of queries of distance and normal at the same points near a moved skull of
+/// 96,190 triangles, and the error of the distance. Fields are measured without and with the
+/// Hessian; CGAL returns the distance only.
 ///
 /// \param options   of the benchmark.
 /// \param progress  may stop the benchmark.

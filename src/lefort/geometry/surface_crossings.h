@@ -25,8 +25,8 @@ class SurfaceCrossings {
   /// \param pixel_mm  distance between adjacent lines, > 0.
   SurfaceCrossings(const TriangleMesh& mesh, int axis, const Box3& window, double pixel_mm);
 
-  /// The coordinates of all crossings of the line closest to `p`, in ascending order; empty outside
-  /// the window.
+  /// The coordinates of all crossings of the line closest to `p`, in ascending order. The coordinate
+  /// of `p` along the axis is ignored. Empty if `p`, along the axis, lies beside the window.
   [[nodiscard]] std::span<const double> crossings(const Vec3& p) const;
   /// The crossing with the smallest coordinate on the line closest to `p`.
   [[nodiscard]] std::optional<Vec3> first(const Vec3& p) const;

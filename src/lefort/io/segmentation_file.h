@@ -29,13 +29,13 @@ namespace lefort::io {
 /// name with the word muscle, such as left_masseter_muscle, is muscle. Label values and layers are
 /// arbitrary. Where segments overlap, the higher layer takes precedence. Muscle is the exception:
 /// in any layer, it takes precedence over soft tissue, of which it is part, and over nothing else.
-/// Voxels of no segment, or of a segment without a tissue name, are background. Slicer crops files:
+/// Voxels of no segment, or of a segment that matches no tissue, are background. Slicer crops files:
 /// see the other overload.
 ///
 /// \param source  a `.seg.nrrd`.
 /// \returns the labels, or an error whose message does not contain the file name:
 ///   - kFileNotFound     the file does not exist;
-///   - kFileUnsupported  not a `.seg.nrrd`, no segment, or none with the name of a tissue;
+///   - kFileUnsupported  not a `.seg.nrrd`, no segment, or none that matches a tissue;
 ///   - kFileCorrupt      truncated, damaged, or its header is inconsistent.
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source);
 
@@ -43,7 +43,7 @@ namespace lefort::io {
 ///
 /// \param source    a `.seg.nrrd`.
 /// \param grid      of the scan.
-/// \param progress  receives notes: segments without a tissue name, and the fraction of labeled
+/// \param progress  receives notes: segments that match no tissue, and the fraction of labeled
 ///   voxels outside the scan.
 /// \returns as above; also kFileCorrupt if the voxels of the file do not coincide with voxels of
 ///   `grid`, or no labeled voxel is inside `grid`, since the file then belongs to another scan; or
@@ -65,7 +65,7 @@ namespace lefort::io {
 /// predict::kBoundaryLabelStyles.
 ///
 /// \param target   ends in .seg.nrrd.
-/// \param painted  labels on any part of the grid of the scan.
+/// \param painted  labels; their grid is that of the scan, or a box cropped from it.
 /// \returns as write_segmentation().
 [[nodiscard]] Result<void> write_boundary_labels(const std::filesystem::path& target,
                                                  const predict::BoundaryLabelMap& painted);

@@ -34,8 +34,8 @@ struct CoarseSpace {
   Modes<6> modes;  ///< The modes in the coarse space; basis * modes are the fine modes.
 };
 
-/// Builds the coarse space. Modes that are linearly dependent on an aggregate (the rotations, if
-/// the aggregate is one node) give zero columns of the basis.
+/// Builds the coarse space. A mode that, restricted to an aggregate, is a linear combination of the
+/// modes before it (a rotation, if the aggregate is one node) gives a zero column of the basis.
 ///
 /// \param aggregates  of the rows.
 /// \param modes       near null space of the matrix.

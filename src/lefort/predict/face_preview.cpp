@@ -82,6 +82,11 @@ struct SupportSpring {
   bool is_bilateral;
 };
 
+/// Elevated tissue: only contact pushes it.
+bool has_contact_only(const contact::NodalSupport& support) {
+  return support.follows_surface && support.normal_mpa_per_mm == 0.0;
+}
+
 /// The springs of a support: tension acts both ways, the rest of the stiffness in compression only.
 std::array<SupportSpring, 4> springs_of(const contact::NodalSupport& support) {
   const Vec3& n = support.normal_B;
@@ -109,7 +114,7 @@ Result<void> turn_to_bone(const ContactBone& bone, std::span<const Vec3> nodes_L
   return {};
 }
 
-/// Adds the elastic supports of the interface map.
+/// Adds the elastic supports of the interface map, and contact below elevated tissue.
 Result<void> add_interface_supports(const FaceModel& model, const TissueOptions& tissue,
                                     const BoundaryOptions& boundary,
                                     const std::vector<std::int32_t>& first_row,
@@ -120,11 +125,15 @@ Result<void> add_interface_supports(const FaceModel& model, const TissueOptions&
     for (const contact::NodalSupport& one : list) {
       const std::int32_t row = first_row[std::size_t(one.node)];
       if (row < 0) continue;
+      const Vec3& point_L = model.tissue.nodes_L[std::size_t(one.node)];
+      if (has_contact_only(one))
+        supports.push_back(
+            {.segment = segment, .row = row, .point_L = point_L, .direction_L = one.normal_B});
       for (const SupportSpring& spring : springs_of(one))
         if (spring.mpa_per_mm > 0.0)
           supports.push_back({.segment = segment,
                               .row = row,
-                              .point_L = model.tissue.nodes_L[std::size_t(one.node)],
+                              .point_L = point_L,
                               .direction_L = spring.direction_L,
                               .is_bilateral = spring.is_bilateral,
                               .n_per_mm = one.area_mm2 * spring.mpa_per_mm,
@@ -140,6 +149,19 @@ Result<void> add_interface_supports(const FaceModel& model, const TissueOptions&
   add(all.on_stationary, -1);
   add(all.on_planes, -1);
   return {};
+}
+
+/// \returns the stiffness of the supports that have none of their own [N/mm]; 0 if there are none.
+double support_stiffness_n_per_mm(const PreviewModel& preview) {
+  const VectorX diagonal = preview.stiffness_n_per_mm.diagonal();
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const PreviewModel::Support& support : preview.supports) {
+    if (support.n_per_mm > 0.0) continue;
+    sum += diagonal.segment<3>(support.row).mean();
+    ++count;
+  }
+  return count == 0 ? 0.0 : kSupportStiffness * sum / double(count);
 }
 
 }  // namespace
@@ -172,14 +194,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
   LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, boundary.interface));
-  const VectorX diagonal = preview.stiffness_n_per_mm.diagonal();
-  double sum = 0.0;
-  for (const PreviewModel::Support& support : preview.supports)
-    sum += diagonal.segment<3>(support.row).mean();
-  if (!preview.supports.empty())
-    preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
   LEFORT_TRY_VOID(
       add_interface_supports(model, options, boundary, preview.first_row, preview.supports));
+  preview.support_n_per_mm = support_stiffness_n_per_mm(preview);
   if (std::none_of(preview.supports.begin(), preview.supports.end(), [](const auto& support) {
         return support.segment >= 0 && support.motion_fraction == 1.0;  // The rest are planes.
       }))

@@ -15,16 +15,17 @@ bool is_supported_by_bone(const NodeInterface& one) {
          one.condition == InterfaceCondition::kSliding;
 }
 
-/// Tissue that may lift off the bone has a support in compression only; nothing holds it along the
-/// bone.
+/// Nothing holds tissue along the bone. Tissue that slides near air has a support in compression
+/// only. Elevated tissue has none: contact pushes it.
 contact::NodalSupport on_bone(const NodeInterface& one, const std::vector<BoundaryNode>& boundary,
                               const LayerStiffness& layer) {
   const BoundaryNode& at = boundary[std::size_t(one.node)];
-  const bool may_lift_off = one.condition == InterfaceCondition::kElevated || one.may_separate;
+  const bool is_elevated = one.condition == InterfaceCondition::kElevated;
+  const bool may_lift_off = is_elevated || one.may_separate;
   return {.node = one.node,
           .area_mm2 = at.area_mm2,
           .normal_B = -at.normal_L,  // Into the tissue, out of the bone.
-          .normal_mpa_per_mm = layer.normal_mpa_per_mm,
+          .normal_mpa_per_mm = is_elevated ? 0.0 : layer.normal_mpa_per_mm,
           .tension_mpa_per_mm = may_lift_off ? 0.0 : layer.normal_mpa_per_mm,
           .follows_surface = true};
 }

@@ -58,9 +58,8 @@ struct Chunk {
 struct TangentBlock {
   std::int32_t row_node;
   std::int32_t column_node;
-  /// Per component of column_node: position of the first free component of row_node among the
-  /// values of the matrix (on the diagonal: the first at or below it); -1 if the column is not
-  /// free.
+  /// Per component c of column_node: position, among the values of the matrix, of the first free
+  /// component of row_node; if row_node == column_node, of the first one >= c. -1 if c is not free.
   std::array<std::int32_t, 3> value_index;
 };
 

@@ -53,8 +53,8 @@ struct alignas(64) NearestInBrick {
 /// Updates the nearest triangle of each point from a list of triangles. At equal distance the
 /// triangle visited first is kept. The order of visits depends on the length of the list only.
 ///
-/// Distances are computed in single precision relative to the brick, so their errors are about 1e-7
-/// of the largest of max distance, brick and triangle.
+/// Distances are computed in single precision relative to the brick. Their errors are about 1e-7 of
+/// the largest of these lengths: max distance, edge of the brick, longest edge of the triangle.
 ///
 /// \param mesh             the surface.
 /// \param triangles        of `mesh`, none with three coincident corners.

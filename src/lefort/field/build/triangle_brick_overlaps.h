@@ -41,8 +41,8 @@ class OverlapBudget {
 
 /// Finds the bricks with a point that may be within `max_distance_mm` of a triangle. These bricks
 /// intersect the bounding box of the triangle and each of five half-spaces (two of its plane, three
-/// of its edges), all extended by that distance. Unlike prisms this leaves no gap at edges and
-/// corners.
+/// of its edges), all extended by that distance. The paper extrudes triangles along their normals,
+/// which leaves gaps at convex edges and corners; this region leaves none.
 ///
 /// \param mesh             the surface.
 /// \param begin            first triangle.

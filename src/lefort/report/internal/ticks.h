@@ -16,7 +16,7 @@ namespace lefort::report {
 /// \returns about `wanted` evenly spaced round numbers in [low, high], ascending.
 [[nodiscard]] std::vector<double> ticks(double low, double high, int wanted);
 
-/// \returns the shortest text of a tick: "0", "2.5", "-10", "1e-7".
+/// \returns the text of a tick, up to six significant digits: "0", "2.5", "-10", "1e-07".
 [[nodiscard]] std::string tick_text(double tick);
 
 }  // namespace lefort::report

@@ -30,7 +30,7 @@ struct Route {
 [[nodiscard]] std::span<const Route> plan_routes();        ///< The plan, its path, templates.
 [[nodiscard]] std::span<const Route> movement_routes();    ///< Overlap and preview while dragging.
 [[nodiscard]] std::span<const Route> prediction_routes();  ///< Steps of the prediction.
-[[nodiscard]] std::span<const Route> comparison_routes();  ///< The face after surgery.
+[[nodiscard]] std::span<const Route> comparison_routes();  ///< Comparison; values on surfaces.
 [[nodiscard]] std::span<const Route> file_routes();        ///< Files for download.
 
 }  // namespace lefort::server

@@ -36,7 +36,7 @@ struct ServedCase {
   const std::optional<std::filesystem::path> example;
   EventLog events;
   SolveHistory solve_history;
-  std::mutex writing;  ///< Serializes changes by pages.
+  std::mutex writing;  ///< Held while a request changes the case or queues a job.
   LruCache<image::CtVolume> cached_volume;
   LruCache<OverlapService> cached_bones;
   LruCache<predict::FacePreview> cached_preview;
