@@ -289,6 +289,7 @@ TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
       .on_step = [&](const PredictionStep&) { reported.emplace_back(); },
       .on_restart =
           [&](const Restart& restart) {
+            EXPECT_EQ(restart.steps.size(), reported.size());  // Before on_step.
             for (const double multiplier_mpa : restart.contacts[0].multipliers_mpa)
               max_multiplier_mpa = std::max(max_multiplier_mpa, multiplier_mpa);
           }};

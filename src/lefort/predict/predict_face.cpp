@@ -93,6 +93,7 @@ class FacePath {
 
   /// Adds the current state to the steps. \pre advance_to() has just reached `path_fraction`.
   void record_step(double path_fraction);
+  void save_restart();
 
   /// What was found before advance_to() failed; or the error, if there is nothing to return.
   [[nodiscard]] Result<FacePrediction> stop_after(const Error& error);
@@ -413,9 +414,13 @@ void FacePath::record_step(double path_fraction) {
   step.residual_n = last.residual_n;
   if (last.residual_reference_n > 0.0)
     step.relative_residual = last.residual_n / last.residual_reference_n;
-  if (watch_.on_step) watch_.on_step(step);
-  progress_.report(path_fraction);
   restart_.steps.push_back(std::move(step));
+  save_restart();  // First: who sees a step can resume after it.
+  if (watch_.on_step) watch_.on_step(restart_.steps.back());
+  progress_.report(path_fraction);
+}
+
+void FacePath::save_restart() {
   if (!watch_.on_restart) return;
   restart_.stepper = stepper_->checkpoint();
   restart_.contacts.clear();

@@ -46,8 +46,8 @@ struct Restart {
 /// Callbacks of a prediction; each may be empty.
 struct PredictionWatch {
   std::function<void(const PredictionIterate&)> on_iterate{};  ///< After each Newton iteration.
-  std::function<void(const PredictionStep&)> on_step;          ///< After each converged step.
-  std::function<void(const Restart&)> on_restart;              ///< After on_step.
+  std::function<void(const PredictionStep&)> on_step;          ///< After on_restart.
+  std::function<void(const Restart&)> on_restart;              ///< After each converged step.
 };
 
 /// Moves all segments together along their paths and finds equilibrium at each of the
