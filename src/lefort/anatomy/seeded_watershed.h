@@ -15,8 +15,8 @@ namespace lefort::anatomy {
 ///   the voxel to the walls of the room.
 /// \returns the number of the seed of each voxel; 0 outside the room and where no seed can grow.
 /// \note At equal widths the voxel that was reached first goes first, so the result is unique.
-[[nodiscard]] image::Volume<std::int32_t> seeded_watershed(const image::Volume<std::int32_t>& seeds,
-                                                           const Mask& room,
-                                                           const image::ScalarVolume& half_width_mm);
+[[nodiscard]] image::Volume<std::int32_t> seeded_watershed(
+    const image::Volume<std::int32_t>& seeds, const Mask& room,
+    const image::ScalarVolume& half_width_mm);
 
 }  // namespace lefort::anatomy

@@ -25,7 +25,7 @@ class SurfaceCrossings {
   /// \param pixel_mm  distance between adjacent lines, > 0.
   SurfaceCrossings(const TriangleMesh& mesh, int axis, const Box3& window, double pixel_mm);
 
-  /// The coordinates of all crossings of the line closest to `p`, in ascending order. The coordinate
+  /// The coordinates of all crossings of the line closest to `p`, in ascending order. The position
   /// of `p` along the axis is ignored. Empty if `p`, along the axis, lies beside the window.
   [[nodiscard]] std::span<const double> crossings(const Vec3& p) const;
   /// The crossing with the smallest coordinate on the line closest to `p`.

@@ -29,8 +29,8 @@ namespace lefort::io {
 /// name with the word muscle, such as left_masseter_muscle, is muscle. Label values and layers are
 /// arbitrary. Where segments overlap, the higher layer takes precedence. Muscle is the exception:
 /// in any layer, it takes precedence over soft tissue, of which it is part, and over nothing else.
-/// Voxels of no segment, or of a segment that matches no tissue, are background. Slicer crops files:
-/// see the other overload.
+/// Voxels of no segment, or of a segment that matches no tissue, are background. Slicer crops
+/// files: see the other overload.
 ///
 /// \param source  a `.seg.nrrd`.
 /// \returns the labels, or an error whose message does not contain the file name:

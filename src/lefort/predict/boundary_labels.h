@@ -17,7 +17,7 @@ enum class BoundaryLabel : std::uint8_t {
   kWithSegment = 3,  ///< Moves with the closest segment, even if not on it.
   kContact = 4,      ///< Free; stationary bone pushes it too.
   kBonded = 5,       ///< Moves with the closest bone.
-  kElevated = 6,     ///< Elastic layer on the closest bone.
+  kElevated = 6,     ///< Not attached to the closest bone; bones push it.
   kSliding = 7,      ///< Stays on the closest bone and moves freely along it.
 };
 

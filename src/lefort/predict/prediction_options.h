@@ -114,8 +114,8 @@ struct BoundaryOptions {
   /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
   /// osteotomy separates from it, slides: occluding teeth, jaw joint; >= 0.
   double joint_margin_mm = 8.0;
-  /// Thickness of the elastic layer between bone and tissue that slides on it or is elevated from
-  /// it, > 0 (interface_supports.h).
+  /// Thickness of the elastic layer between bone and tissue that slides on it, > 0
+  /// (interface_supports.h).
   double interface_layer_mm = 1.0;
   /// Contact snap distance: tissue boundary within this distance of a bone counts as lying on it.
   double contact_snap_mm = 0.8;

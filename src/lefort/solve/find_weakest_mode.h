@@ -25,8 +25,8 @@ struct WeakestMode {
 /// \param u          displacements of all components [mm].
 /// \param progress   may stop the search before each factorization.
 /// \returns the mode; nothing if no component is free, u is inadmissible, the factorization fails
-///   (the tangent is not finite, its factor does not fit into memory, or it is not positive definite
-///   with the largest shift either), or `progress` requested a stop.
+///   (the tangent is not finite, its factor does not fit into memory, or it is indefinite even with
+///   the largest shift), or `progress` requested a stop.
 /// \note Cost: one direct factorization if the tangent is positive definite, else one more for each
 ///   shift, at most 14. Deterministic: the start vector is fixed.
 [[nodiscard]] std::optional<WeakestMode> find_weakest_mode(const fem::Assembler& assembler,

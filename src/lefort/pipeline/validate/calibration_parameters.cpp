@@ -75,7 +75,7 @@ constexpr std::array kParameters{
                          "distance from an osteotomy within which tissue is elevated [mm]", 2.0,
                          40.0, false, 3.0, true, get_margin, set_margin, keys_of_margin},
     CalibrationParameter{"interface_layer_mm",
-                         "thickness of the elastic layer below sliding and elevated tissue [mm]; "
+                         "thickness of the elastic layer below sliding tissue [mm]; "
                          "its stiffness k_n is inversely proportional",
                          0.1, 20.0, true, 0.3, false, get_layer, set_layer, keys_of_layer},
     CalibrationParameter{"poisson", "Poisson's ratio of the deep tissue", 0.3, 0.49, false, 0.02,

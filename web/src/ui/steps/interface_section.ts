@@ -52,7 +52,7 @@ export function interfaceSection({ boundary = {} }: Plan, set: SetPlan): Html {
       : nothing,
     numberField({
       label: 'Interface layer',
-      hint: 'thickness of the elastic layer below sliding and elevated tissue',
+      hint: 'thickness of the elastic layer below sliding tissue',
       value: boundary.interface_layer_mm ?? 1,
       unit: 'mm',
       min: 0.01,
