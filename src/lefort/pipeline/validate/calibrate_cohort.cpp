@@ -181,6 +181,25 @@ CohortValue mean_with_interval(const std::vector<double>& values,
   return {mean(all), compare::bootstrap_interval(Index(values.size()), mean, bootstrap)};
 }
 
+/// Errors of a held-out case. A prediction that does not converge is listed as a failure; its error
+/// is then not a number.
+Result<void> evaluate_held_out(CalibrationCohort& cohort, Index out, const VectorX& start,
+                               const VectorX& fitted, CalibrationFold& fold,
+                               std::vector<std::pair<std::string, std::string>>& failures) {
+  const std::array<Index, 1> alone{out};
+  LEFORT_TRY(fold.start_error_mm, mean_error_of(cohort, alone, start));
+  const Result<double> error_mm = mean_error_of(cohort, alone, fitted);
+  if (error_mm) {
+    fold.held_out_error_mm = *error_mm;
+    return {};
+  }
+  if (error_mm.error().code != ErrorCode::kNotConverged) return tl::unexpected(error_mm.error());
+  fold.held_out_error_mm = NAN;
+  failures.emplace_back(fold.held_out, "with the parameters that were fitted without this case: " +
+                                           error_mm.error().message);
+  return {};
+}
+
 /// Fits all cases, then all without each one, starting from the fit of all.
 Result<void> fit_and_validate(CalibrationCohort& cohort, const FitOptions& options,
                               Calibration& calibration, Progress& progress) {
@@ -204,16 +223,21 @@ Result<void> fit_and_validate(CalibrationCohort& cohort, const FitOptions& optio
     std::vector<Index> others = all;
     std::erase(others, out);
     LEFORT_TRY(const ParameterFit fold, fit_parameters(problem, others, fit.at, options));
-    const std::array<Index, 1> alone{out};
     CalibrationFold line{.held_out = cohort.at(out).name(),
                          .fitted = fitted_values(cohort, fold, calibration.bootstrap)};
     LEFORT_TRY(line.fit_error_mm, mean_error_of(cohort, others, fold.at));
-    LEFORT_TRY(line.held_out_error_mm, mean_error_of(cohort, alone, fold.at));
-    LEFORT_TRY(line.start_error_mm, mean_error_of(cohort, alone, start));
-    held_out_mm.push_back(line.held_out_error_mm);
-    gains_mm.push_back(line.start_error_mm - line.held_out_error_mm);
+    LEFORT_TRY_VOID(evaluate_held_out(cohort, out, start, fold.at, line, calibration.failures));
+    if (std::isfinite(line.held_out_error_mm)) {
+      held_out_mm.push_back(line.held_out_error_mm);
+      gains_mm.push_back(line.start_error_mm - line.held_out_error_mm);
+    }
     calibration.folds.push_back(std::move(line));
   }
+  if (held_out_mm.empty())
+    return fail(ErrorCode::kNotConverged,
+                "no held-out case converged with the parameters that were fitted without it; the "
+                "last: " +
+                    calibration.failures.back().second);
   calibration.held_out_mm = mean_with_interval(held_out_mm, calibration.bootstrap);
   calibration.gain_mm = mean_with_interval(gains_mm, calibration.bootstrap);
   return {};

@@ -56,9 +56,11 @@ report::ReportTable folds_table(const Calibration& calibration) {
       .rows = {}};
   for (const CalibrationParameter& one : calibration.parameters) table.heads.emplace_back(one.name);
   for (const CalibrationFold& fold : calibration.folds) {
-    table.rows.push_back({fold.held_out, fmt::format("{:.3f}", fold.held_out_error_mm),
-                          fmt::format("{:.3f}", fold.fit_error_mm),
-                          fmt::format("{:.3f}", fold.start_error_mm)});
+    table.rows.push_back(
+        {fold.held_out,
+         std::isfinite(fold.held_out_error_mm) ? fmt::format("{:.3f}", fold.held_out_error_mm)
+                                               : std::string("not converged"),
+         fmt::format("{:.3f}", fold.fit_error_mm), fmt::format("{:.3f}", fold.start_error_mm)});
     for (const std::string& words : values_in_words(fold.fitted))
       table.rows.back().push_back(words);
   }

@@ -26,9 +26,10 @@ struct FittedValues {
 struct CalibrationFold {
   std::string held_out;  ///< Name of the case.
   FittedValues fitted;
-  double fit_error_mm = 0.0;       ///< Mean over the other cases.
-  double held_out_error_mm = 0.0;  ///< Of the case, with parameters that were fitted without it.
-  double start_error_mm = 0.0;     ///< Of the case, with Calibration::start.
+  double fit_error_mm = 0.0;  ///< Mean over the other cases.
+  /// Of the case, with parameters that were fitted without it; NaN if that did not converge.
+  double held_out_error_mm = 0.0;
+  double start_error_mm = 0.0;  ///< Of the case, with Calibration::start.
 };
 
 struct Calibration {
@@ -36,7 +37,7 @@ struct Calibration {
   std::vector<double> start;                        ///< Values of the first case's plan.
   FittedValues all;                                 ///< Fit to all cases.
   double start_error_mm = 0.0, fit_error_mm = 0.0;  ///< Means over all cases.
-  CohortValue held_out_mm{};                        ///< Mean of the folds' held-out errors.
+  CohortValue held_out_mm{};                        ///< Mean of the finite held-out errors.
   CohortValue gain_mm{};  ///< Mean of start minus held-out error, case by case.
   std::vector<CalibrationFold> folds;
   std::vector<std::pair<std::string, std::string>> failures;  ///< Case and reason.
