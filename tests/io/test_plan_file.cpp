@@ -308,6 +308,11 @@ TEST(PlanFile, AGapBecomesAnAngle) {
   const Json closed = Json::parse(with_closing(json.dump(), gaps[0], 5.0));
   EXPECT_EQ(closed, autorotated_plan());
   EXPECT_TRUE(jaw_gaps(closed.dump()).empty());
+  json["segments"][0]["path"]["keyframes"][0]["autorotate"] = {{"as", "distal"}};
+  const auto same = jaw_gaps(json.dump());
+  ASSERT_EQ(same.size(), 1U);
+  EXPECT_EQ(same[0].as, "distal");
+  EXPECT_EQ(Json::parse(with_closing(json.dump(), same[0], 5.0)), autorotated_plan());
 }
 
 TEST(PlanFile, AutorotationWithoutItsAxisIsRejected) {
@@ -331,6 +336,8 @@ TEST(PlanFile, AutorotationWithoutItsAxisIsRejected) {
   refused([&](Json& j) { frame(j)["autorotate"] = Json::object(); }, "closing_deg");
   refused([&](Json& j) { frame(j)["autorotate"] = {{"gap_mm", 1}}; }, "with a scan");
   refused([&](Json& j) { frame(j)["autorotate"]["gap_mm"] = 1; }, "either closing_deg or gap_mm");
+  refused([&](Json& j) { frame(j)["autorotate"] = {{"as", "distal"}}; }, "with a scan");
+  refused([&](Json& j) { frame(j)["autorotate"]["as"] = "distal"; }, "or as");
   refused([&](Json& j) { frame(j)["autorotate"]["to"] = "x"; }, "to is of gap_mm");
   auto cut = [](Json& j) -> Json& { return j["segments"][1]["osteotomy"]; };
   refused([&](Json& j) { cut(j)["bone"] = "mandible"; }, "bone and piece_at move a whole bone");

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -100,26 +101,47 @@ TEST(CondylarAxis, MissingOrExchangedPolesAreNamed) {
 /// is 2 mm below them: asin((26 + 2) / r) below the horizontal instead of asin(40 / r).
 TEST(CondylarAxis, TheTeethCloseToAGap) {
   const CondylarAxis axis{{-50, 10, -4}, {50, 10, -4}};
-  const geometry::Bvh upper(test::make_box({-30, -120, -30}, {30, -40, -10}));
+  std::vector<UpperBone> upper{{geometry::Bvh(test::make_box({-30, -120, -30}, {30, -40, -10}))}};
   const std::vector<Vec3> lower{{0, -70, -44}, {5, -60, -46}};
   const double r = std::hypot(80.0, 40.0);
   const auto angle_of = [&](double z_mm) {
     return degrees_from_radians(std::asin(40.0 / r) - std::asin((-4.0 - z_mm) / r));
   };
-  const RigidTransform rest = RigidTransform::Identity();
-  const auto closing = closing_to_gap(axis, lower, upper, rest, 2.0);
+  const auto closing = closing_to_gap(axis, lower, upper, 2.0);
   ASSERT_TRUE(closing) << closing.error().message;
   EXPECT_NEAR(*closing, angle_of(-32.0), 2e-3);
-  RigidTransform impacted = rest;
+  RigidTransform& impacted = upper[0].X_LB;
   impacted.translation() = Vec3(0, -2, 3);
-  EXPECT_NEAR(closing_to_gap(axis, lower, upper, impacted, 2.0).value(), angle_of(-29.0), 2e-3);
+  EXPECT_NEAR(closing_to_gap(axis, lower, upper, 2.0).value(), angle_of(-29.0), 2e-3);
   impacted.translation() = Vec3(0, 0, 60);
-  EXPECT_NE(closing_to_gap(axis, lower, upper, impacted, 2.0).error().message.find("do not meet"),
+  EXPECT_NE(closing_to_gap(axis, lower, upper, 2.0).error().message.find("do not meet"),
             std::string::npos);
   impacted.translation() = Vec3(0, 0, -60);
-  EXPECT_NE(
-      closing_to_gap(axis, lower, upper, impacted, 2.0).error().message.find("do not separate"),
-      std::string::npos);
+  EXPECT_NE(closing_to_gap(axis, lower, upper, 2.0).error().message.find("do not separate"),
+            std::string::npos);
+}
+
+/// The gap is that after the motion that follows: if the tooth then moves down by 3 mm, it closes
+/// until it is 3 mm nearer. Of two upper bones the lower one decides.
+TEST(CondylarAxis, TheGapIsThatAtTheEndOfTheKeyframe) {
+  const CondylarAxis axis{{-50, 10, -4}, {50, 10, -4}};
+  std::vector<UpperBone> upper{{geometry::Bvh(test::make_box({-30, -120, -30}, {0, -40, -10}))},
+                               {geometry::Bvh(test::make_box({1, -120, -30}, {30, -40, -10}))}};
+  const std::vector<Vec3> lower{{-20, -70, -44}, {20, -70, -44}};
+  const double r = std::hypot(80.0, 40.0);
+  const auto angle_of = [&](double z_mm) {
+    return degrees_from_radians(std::asin(40.0 / r) - std::asin((-4.0 - z_mm) / r));
+  };
+  geometry::Keyframe then;
+  then.translation_mm = {0, 5, -3};
+  for (const double impaction_mm : {0.0, 2.0, 4.0, -1.0, -3.0}) {
+    upper[0].X_LB.translation() = Vec3(0, -5, impaction_mm);
+    upper[1].X_LB.translation() = Vec3(0, -5, 0);
+    const double lowest_mm = -30.0 + std::min(impaction_mm, 0.0);
+    EXPECT_NEAR(closing_to_gap(axis, lower, upper, 0.5, then).value(),
+                angle_of(lowest_mm - 0.5 + 3.0), 2e-3)
+        << impaction_mm;
+  }
 }
 
 TEST(CondylarAxis, LowerTeethLieAboveAPlaneThroughTheirLandmarks) {

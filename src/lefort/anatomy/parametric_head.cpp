@@ -16,6 +16,8 @@ using implicit::rounded_box;
 using implicit::tube;
 using implicit::without;
 
+constexpr double kStomion_mm = -49.0;  // Height of the line between the lips, mean head.
+
 /// The right half of the head as a mirror image: |x|.
 Vec3 folded(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 
@@ -101,7 +103,7 @@ double palate(const Vec3& p, const HeadShape& s) {
 
 double upper_teeth(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p), teeth = in_plane(s.incisors_mm);
-  const double incisors = ellipsoid(q, Vec3(0, -95, -46) + teeth, {9, 3.5, 9});
+  const double incisors = ellipsoid(q, Vec3(0, -95, -44.5) + teeth, {9, 3.5, 7.5});
   const double arch = tube(
       q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}},
       4.0);
@@ -157,14 +159,16 @@ double nose(const Vec3& p, const HeadShape& s) {
   return join(join(join(bridge, inner, 8.0), lobule, 5.0), ala, 3.0);
 }
 
+/// Upper and lower lip rest on the upper incisors: stomion is 3 mm above their edge, the middle of
+/// the normal incisal display of 2 to 4 mm \cite arnett1993.
 double mouth(const Vec3& p, double body, const HeadShape& s) {
-  const Vec3 q = folded(p), ahead(0, -s.lips_mm, 0);
+  const Vec3 q = folded(p), lips = in_plane(s.incisors_mm) - Vec3(0, s.lips_mm, 0);
   const Vec3 chin = in_plane(s.chin_mm);
-  body = join(body, ellipsoid(q, Vec3(0, -100, -34) + ahead, {19, 9, 7.5}), 4.0);
-  body = join(body, ellipsoid(q, Vec3(0, -98, -47.5) + ahead, {18, 9, 7}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -100, -41.5) + lips, {19, 9, 8}), 4.0);
+  body = join(body, ellipsoid(q, Vec3(0, -98, -55.5) + lips, {18, 9, 7}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
-  const double slit =
-      std::min(0.8 - std::abs(p.z() + 41.0), std::min(23.0 - q.x(), -101.5 - s.lips_mm - p.y()));
+  const double slit = std::min(0.8 - std::abs(p.z() - kStomion_mm - lips.z()),
+                               std::min(23.0 - q.x(), -101.5 + lips.y() - p.y()));
   return without(body, slit, 1.0);
 }
 

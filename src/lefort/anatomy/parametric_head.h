@@ -27,7 +27,7 @@ struct HeadShape {
   Vec3 nose_mm = Vec3::Zero();       ///< Of the tip.
   double zygion_mm = 0.0;            ///< Lateral, on both sides.
   double orbit_mm = 0.0;             ///< Half height.
-  double lips_mm = 0.0;              ///< Anterior.
+  double lips_mm = 0.0;              ///< Anterior, relative to the incisors.
   double palate_mm = 0.0;            ///< Length.
   Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();

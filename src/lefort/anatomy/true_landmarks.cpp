@@ -7,6 +7,8 @@
 namespace lefort::anatomy {
 namespace {
 
+const Vec3 kStomion(0.0, -125.0, -49.0);  // Anterior to it, mean head.
+
 using Level = std::function<double(const Vec3&)>;
 
 Vec3 gradient(const Level& level, const Vec3& p) {
@@ -91,6 +93,11 @@ class TrueLandmarks {
   [[nodiscard]] Vec3 place(const Vec3& mean, const Vec3& offset = Vec3::Zero()) const {
     return head_.X_LH() * head_.from_mean(mean + Vec3(0.0, offset.y(), offset.z()));
   }
+  /// A point of the lips of the mean head, moved by their parameters.
+  [[nodiscard]] Vec3 lips(const Vec3& mean) const {
+    const HeadShape& s = head_.shape();
+    return mean + Vec3(0.0, s.incisors_mm.y() - s.lips_mm, s.incisors_mm.z());
+  }
   [[nodiscard]] Vec3 direction(const Vec3& v_F) const { return (R_LF_ * v_F).normalized(); }
   [[nodiscard]] Vec3 left() const { return R_LF_.col(0); }
   [[nodiscard]] Vec3 climb(const Level& level, const Vec3& start_L, const Vec3& v_F) const {
@@ -148,10 +155,10 @@ class TrueLandmarks {
     at_["ANS"] =
         climb_in_section(skull_, place({0, -94, -24}, s.anterior_spine_mm), {0, -0.94, 0.34});
     at_["PNS"] = place({0, -44.4 + s.palate_mm, -26.5 + s.anterior_spine_mm.z()});
-    const Vec3 crest = climb_in_section(skull_, place({0, -98, -46}, s.incisors_mm), anterior);
+    const Vec3 crest = climb_in_section(skull_, place({0, -98, -44.5}, s.incisors_mm), anterior);
     const Vec3 ridge = 0.5 * (s.anterior_spine_mm + s.incisors_mm);
     at_["A"] = deepest(skull_, place({0, -89.5, -32}, ridge), at_.at("ANS"), crest);
-    at_["U1"] = climb_in_section(skull_, place({0, -95, -55}, s.incisors_mm), {0, 0, -1});
+    at_["U1"] = climb_in_section(skull_, place({0, -95, -52}, s.incisors_mm), {0, 0, -1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
       at_["Zy" + side] =
@@ -200,7 +207,7 @@ class TrueLandmarks {
     const HeadShape& s = head_.shape();
     at_["Prn"] = climb(skin_, place({0, -128, -8}, s.nose_mm), {0, -1, 0});
     at_["N'"] = climb_in_section(skin_, place({0, -103, 32}, s.nasion_mm), {0, 1, 0});
-    const Vec3 lip = climb_in_section(skin_, place({0, -109 - s.lips_mm, -33}), {0, -1, 0});
+    const Vec3 lip = climb_in_section(skin_, place(lips({0, -109, -40.5})), {0, -1, 0});
     at_["Sn"] = deepest(skin_, place({0, -106, -21}), at_.at("Prn"), lip);
     const Vec3 inwards = head_.X_LH().linear() * Vec3(0, 1, 0);
     for (const double sign : {-1.0, 1.0}) {
@@ -220,11 +227,12 @@ class TrueLandmarks {
     const auto skin_at = [&](double x, double z) {
       return march(skin_, place({sign * x, -125.0, z}), inwards);
     };
-    Vec3 end = skin_at(kFrom_mm, -41.0);
+    const double line_mm = lips(kStomion).z();
+    Vec3 end = skin_at(kFrom_mm, line_mm);
     for (double x = kFrom_mm; x <= kTo_mm; x += kStep_mm) {
-      const Vec3 p = skin_at(x, -41.0);
-      const double above_mm = inwards.dot(p - skin_at(x, -41.0 + kSide_mm));
-      const double below_mm = inwards.dot(p - skin_at(x, -41.0 - kSide_mm));
+      const Vec3 p = skin_at(x, line_mm);
+      const double above_mm = inwards.dot(p - skin_at(x, line_mm + kSide_mm));
+      const double below_mm = inwards.dot(p - skin_at(x, line_mm - kSide_mm));
       if (std::min(above_mm, below_mm) < kMinNotch_mm) break;
       end = p;
     }
@@ -234,12 +242,12 @@ class TrueLandmarks {
   void find_mouth() {
     const HeadShape& s = head_.shape();
     const Vec3 inwards = head_.X_LH().linear() * Vec3(0, 1, 0);
-    at_["Stm"] = march(skin_, place({0, -125, -41}), inwards);
-    at_["Ls"] = climb_in_section(skin_, place({0, -109 - s.lips_mm, -34}), {0, -1, 0});
-    at_["Li"] = climb_in_section(skin_, place({0, -107 - s.lips_mm, -47.5}), {0, -1, 0});
-    at_["A'"] = deepest(skin_, place({0, -106, -26}), at_.at("Ls"), at_.at("Sn"));
+    at_["Stm"] = march(skin_, place(lips(kStomion)), inwards);
+    at_["Ls"] = climb_in_section(skin_, place(lips({0, -109, -41.5})), {0, -1, 0});
+    at_["Li"] = climb_in_section(skin_, place(lips({0, -107, -55.5})), {0, -1, 0});
+    at_["A'"] = deepest(skin_, place(lips({0, -105, -30})), at_.at("Ls"), at_.at("Sn"));
     at_["Pg'"] = climb_in_section(skin_, place({0, -100, -89}, s.chin_mm), {0, -1, 0});
-    at_["B'"] = deepest(skin_, place({0, -97, -63}), at_.at("Li"), at_.at("Pg'"));
+    at_["B'"] = deepest(skin_, place(lips({0, -96, -68})), at_.at("Li"), at_.at("Pg'"));
     at_["Me'"] = march(skin_, at_.at("Me") - 30.0 * R_LF_.col(2), R_LF_.col(2));
   }
 

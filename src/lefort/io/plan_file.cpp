@@ -235,11 +235,13 @@ std::vector<JawGap> jaw_gaps(const std::string& text) {
     if (!path.contains("keyframes")) continue;
     for (std::size_t keyframe = 0; keyframe < path["keyframes"].size(); ++keyframe) {
       const Json& one = path["keyframes"][keyframe];
+      if (!one.contains("autorotate")) continue;
+      const Json& turn = one["autorotate"];
       // Both is an error that parsing reports.
-      if (one.contains("autorotate") && one["autorotate"].contains("gap_mm") &&
-          !one["autorotate"].contains("closing_deg"))
-        gaps.push_back({segment, keyframe, one["autorotate"]["gap_mm"].get<double>(),
-                        one["autorotate"].value("to", "")});
+      if (turn.contains("closing_deg") || turn.contains("gap_mm") == turn.contains("as")) continue;
+      if (turn.contains("as") && turn.contains("to")) continue;
+      gaps.push_back({segment, keyframe, turn.value("gap_mm", 0.0), turn.value("to", ""),
+                      turn.value("as", "")});
     }
   }
   return gaps;

@@ -47,11 +47,13 @@ struct OpenPlan {
   bool needs_landmarks = false;
 };
 
-/// Autorotation to a gap: a keyframe of a plan.
+/// Autorotation whose angle is not given: a keyframe of a plan.
 struct JawGap {
   std::size_t segment, keyframe;  ///< Numbers.
   double gap_mm;
   std::string upper_jaw;  ///< Name of the segment with the upper teeth; empty: they do not move.
+  /// Name of the segment whose angle is taken instead of a gap; empty: the gap decides.
+  std::string as{};
 };
 
 /// \returns the plan if the scan is needed to complete it, nothing if it is complete; or what
@@ -61,10 +63,10 @@ struct JawGap {
 /// The text of a plan with the given landmarks in place of its own.
 [[nodiscard]] std::string with_landmarks(const std::string& json, const plan::Landmarks& landmarks);
 
-/// The gaps of a valid plan, in its order.
+/// The autorotations of a valid plan whose angle is not given, in its order.
 [[nodiscard]] std::vector<JawGap> jaw_gaps(const std::string& json);
 
-/// The text of a plan with an angle [degrees] in place of a gap.
+/// The text of a plan with an angle [degrees] in place of a gap or of the name of a segment.
 [[nodiscard]] std::string with_closing(const std::string& json, const JawGap& gap,
                                        double closing_deg);
 

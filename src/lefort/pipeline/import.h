@@ -44,17 +44,25 @@ enum class PhantomVariant {
   kFeetFirst  ///< The patient lies with the feet towards the gantry.
 };
 
+/// Which synthetic head.
+enum class PhantomHead {
+  kSimple,  ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
+  kTeeth    ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
+};
+
 struct PhantomJob {
   std::filesystem::path output;  ///< A folder; made if missing.
+  PhantomHead head = PhantomHead::kSimple;
   PhantomVariant variant = PhantomVariant::kPlain;
   double voxel_mm = 1.4;   ///< Edge of a voxel; > 0.
   double noise_hu = 12.0;  ///< Standard deviation of the noise of the scan.
 };
 
-/// Writes DICOM files of a synthetic head (anatomy/synthetic_head.h), and its true labels.
+/// Writes DICOM files of a synthetic head and its true labels; of a head with teeth also its true
+/// landmarks.
 ///
 /// \returns the summary; kFileUnwritable if `output`/dicom is not empty or a file cannot be
-///   written; or kCancelled.
+///   written; kInvalidArgument for a head with teeth that is not scanned as kPlain; or kCancelled.
 [[nodiscard]] Result<Summary> make_phantom(const PhantomJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
 #include <lefort/geometry/rigid_motion.h>
@@ -8,8 +9,22 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace lefort::plan {
+
+namespace {
+
+/// The pose X_LB after autorotation and then the motion of a keyframe, whose center is given before
+/// the autorotation.
+RigidTransform pose_after(const CondylarAxis& axis, double closing_deg,
+                          const geometry::Keyframe& then) {
+  const RigidTransform closed = autorotation(axis, closing_deg);
+  return geometry::rigid_motion(then.translation_mm, then.rotation_rad, closed * then.center_L) *
+         closed;
+}
+
+}  // namespace
 
 Result<CondylarAxis> condylar_axis(std::span<const Landmark> landmarks) {
   constexpr double kMinDistance_mm = 50.0;  // Of the condyles; 70 mm in a child.
@@ -44,10 +59,7 @@ RigidTransform autorotation(const CondylarAxis& axis, double closing_deg) {
 
 geometry::Keyframe after_autorotation(const CondylarAxis& axis, double closing_deg,
                                       const geometry::Keyframe& then) {
-  const RigidTransform closed = autorotation(axis, closing_deg);
-  const RigidTransform moved =
-      geometry::rigid_motion(then.translation_mm, then.rotation_rad, closed * then.center_L);
-  geometry::Keyframe both = keyframe_of_pose(moved * closed, then.center_L);
+  geometry::Keyframe both = keyframe_of_pose(pose_after(axis, closing_deg, then), then.center_L);
   both.path_fraction = then.path_fraction;
   return both;
 }
@@ -82,15 +94,20 @@ Result<std::vector<Vec3>> points_of_lower_teeth(const geometry::TriangleMesh& ma
 }
 
 Result<double> closing_to_gap(const CondylarAxis& axis, std::span<const Vec3> lower_L,
-                              const geometry::Bvh& upper_B, const RigidTransform& X_LB,
-                              double gap_mm) {
+                              std::span<const UpperBone> upper, double gap_mm,
+                              const geometry::Keyframe& then) {
   constexpr double kLimit_deg = 20.0, kStep_deg = 1.0, kTolerance_deg = 1e-3;
+  LEFORT_CHECK(!upper.empty() && !lower_L.empty());
   const auto clearance_mm = [&](double closing_deg) {
-    const RigidTransform X_B_lower = X_LB.inverse() * autorotation(axis, closing_deg);
+    const RigidTransform X_L_lower = pose_after(axis, closing_deg, then);
     std::vector<double> distances_mm(lower_L.size());
     parallel_for(Index(lower_L.size()), [&](Index n) {
-      distances_mm[std::size_t(n)] =
-          upper_B.signed_distance(X_B_lower * lower_L[std::size_t(n)]).distance_mm;
+      const Vec3 p_L = X_L_lower * lower_L[std::size_t(n)];
+      double nearest_mm = std::numeric_limits<double>::infinity();
+      for (const UpperBone& bone : upper)
+        nearest_mm = std::min(
+            nearest_mm, bone.surface_B.signed_distance(bone.X_LB.inverse() * p_L).distance_mm);
+      distances_mm[std::size_t(n)] = nearest_mm;
     });
     return *std::min_element(distances_mm.begin(), distances_mm.end());
   };

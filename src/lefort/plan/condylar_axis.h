@@ -56,19 +56,26 @@ struct CondylarAxis {
 [[nodiscard]] Result<std::vector<Vec3>> points_of_lower_teeth(
     const geometry::TriangleMesh& mandible_L, std::span<const Landmark> landmarks);
 
+/// A bone with which the lower teeth can meet.
+struct UpperBone {
+  geometry::Bvh surface_B;  ///< Closed; before it moves.
+  RigidTransform X_LB = RigidTransform::Identity();
+};
+
 /// The angle of autorotation at which the lower teeth, closing from an open mouth, first come as
-/// close to the upper jaw as a gap.
+/// close to the upper jaw as a gap. The gap is that after the motion of a keyframe that follows the
+/// autorotation, as in after_autorotation().
 ///
-/// \param axis      of the mandible.
-/// \param lower_L   points of the lower teeth.
-/// \param upper_B   closed surface of the upper jaw, before it moves.
-/// \param X_LB      pose of the upper jaw.
-/// \param gap_mm    >= 0.
+/// \param axis     of the mandible.
+/// \param lower_L  points of the lower teeth.
+/// \param upper    one or more bones at their planned poses.
+/// \param gap_mm   >= 0.
+/// \param then     the motion that follows; its center is given before the autorotation.
 /// \returns the closing angle [degrees], exact to 0.001; or kPlanInvalid if the teeth are closer
 ///   than the gap at -20 degrees, or further away at 20 degrees.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<double> closing_to_gap(const CondylarAxis& axis, std::span<const Vec3> lower_L,
-                                            const geometry::Bvh& upper_B,
-                                            const RigidTransform& X_LB, double gap_mm);
+                                            std::span<const UpperBone> upper, double gap_mm,
+                                            const geometry::Keyframe& then = {});
 
 }  // namespace lefort::plan

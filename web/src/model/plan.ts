@@ -61,7 +61,7 @@ export interface Keyframe {
   targets?: string | Record<string, Vec3>;
   tolerance_mm?: number;
   transform?: string;
-  autorotate?: { closing_deg?: number; gap_mm?: number; to?: string };
+  autorotate?: { closing_deg?: number; gap_mm?: number; to?: string; as?: string };
 }
 
 export interface Path {

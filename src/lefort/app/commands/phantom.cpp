@@ -53,6 +53,13 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
   command->add_option("--variant", job->variant, "How it is scanned; default: plain")
       ->transform(CLI::CheckedTransformer(variants).description(
           "{plain,tilted,shuffled,oblique,feet-first}"));
+  const std::map<std::string, pipeline::PhantomHead> heads{
+      {"simple", pipeline::PhantomHead::kSimple}, {"teeth", pipeline::PhantomHead::kTeeth}};
+  command
+      ->add_option("--head", job->head,
+                   "Simple shapes, or with orbits, nose, teeth, lips and known landmarks; default: "
+                   "simple")
+      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth}"));
   CLI::Option* const voxel = command
                                  ->add_option("--voxel", job->voxel_mm,
                                               "Edge of a voxel [mm]; default: 1.4, of a cohort 2")
@@ -64,6 +71,7 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
   command->footer(
       "Examples:\n"
       "  lefort phantom -o head/\n"
+      "  lefort phantom --head teeth -o head/\n"
       "  lefort import head/dicom -o ct.nrrd\n"
       "  lefort segment ct.nrrd -o anatomy/\n"
       "  lefort phantom --cohort 10 -o cohort/");

@@ -257,13 +257,14 @@ Result<geometry::Keyframe> autorotated(const Json& json, const std::string& key,
                                        const Context& context) {
   const Json& turn = json["autorotate"];
   const std::string turn_key = key + ".autorotate";
-  if (turn.contains("closing_deg") == turn.contains("gap_mm"))
-    return bad(turn_key, "must have either closing_deg or gap_mm");
+  if (turn.contains("closing_deg") + turn.contains("gap_mm") + turn.contains("as") != 1)
+    return bad(turn_key, "must have either closing_deg or gap_mm, or as");
   if (turn.contains("to") && !turn.contains("gap_mm")) return bad(turn_key, "to is of gap_mm");
-  if (turn.contains("gap_mm"))
-    return bad(turn_key,
-               "gap_mm is for `lefort plan check` and `lefort predict` with a scan; here, use "
-               "closing_deg");
+  if (!turn.contains("closing_deg"))
+    return bad(
+        turn_key,
+        "gap_mm and as are for `lefort plan check` and `lefort predict` with a scan; here, use "
+        "closing_deg");
   const auto axis = plan::condylar_axis(context.landmarks);
   if (!axis) return bad(turn_key, axis.error().message);
   if (!has_center) keyframe.center_L = axis->middle_L();

@@ -1,12 +1,10 @@
 #include <lefort/anatomy/extract_surface.h>
-#include <lefort/geometry/bvh.h>
-#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/import_volume.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/sha256.h>
+#include <lefort/pipeline/prepare/close_jaws.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/load_head.h>
-#include <lefort/plan/condylar_axis.h>
 
 #include <fmt/format.h>
 
@@ -60,52 +58,6 @@ std::string describe(const plan::LandmarkSearch& search) {
     text += fmt::format(" {} ({})", one.name, one.reason);
   return text;
 }
-
-namespace {
-
-/// Replaces the gaps between the teeth in a plan by angles.
-Result<std::string> close_jaws(const fs::path& file, std::string text, const ScannedLabels& head,
-                               Progress& progress) {
-  const std::vector<io::JawGap> gaps = io::jaw_gaps(text);
-  if (gaps.empty()) return text;
-  for (const io::JawGap& gap : gaps) text = io::with_closing(text, gap, 0.0);
-  LEFORT_TRY(const io::PlanText open, io::parse_completed_plan(file, text));
-  if (!has_mandible(head.labels))
-    return fail(ErrorCode::kAnatomyMissing, "autorotation to a gap: no mandible in the labels");
-  progress.begin_stage("close the jaws");
-  const auto bone_of = [&](anatomy::Bones bones) {
-    return anatomy::extract_isosurface(
-        anatomy::bone_level(head.scan.ct, head.labels, anatomy::Cavities::kKeep, head.levels,
-                            bones),
-        {}, progress);
-  };
-  LEFORT_TRY(geometry::TriangleMesh skull_L, bone_of(anatomy::Bones::kSkull));
-  LEFORT_TRY(const geometry::TriangleMesh mandible_L, bone_of(anatomy::Bones::kMandible));
-  LEFORT_TRY(const plan::CondylarAxis axis, plan::condylar_axis(open.plan.landmarks));
-  LEFORT_TRY(const std::vector<Vec3> lower_L,
-             plan::points_of_lower_teeth(mandible_L, open.plan.landmarks));
-  const geometry::Bvh upper(std::move(skull_L));
-  for (const io::JawGap& gap : gaps) {
-    RigidTransform X_LB = RigidTransform::Identity();
-    const auto& segments = open.plan.segments;
-    const auto jaw = std::find_if(segments.begin(), segments.end(), [&](const auto& one) {
-      return one.osteotomy.segment == gap.upper_jaw;
-    });
-    if (jaw != segments.end())
-      X_LB = geometry::pose_at(jaw->path, 1.0);
-    else if (!gap.upper_jaw.empty())
-      return fail(ErrorCode::kPlanInvalid,
-                  fmt::format("autorotate.to: the plan has no segment '{}'", gap.upper_jaw));
-    LEFORT_TRY(const double closing_deg,
-               plan::closing_to_gap(axis, lower_L, upper, X_LB, gap.gap_mm));
-    progress.note(fmt::format("'{}' autorotates by {:.2f} degrees, to a gap of {:g} mm",
-                              segments[gap.segment].osteotomy.segment, closing_deg, gap.gap_mm));
-    text = io::with_closing(text, gap, closing_deg);
-  }
-  return text;
-}
-
-}  // namespace
 
 Result<io::PlanText> read_plan_of_scan(const fs::path& file, const std::optional<fs::path>& given,
                                        const StageCache& cache, Progress& progress) {

@@ -1,5 +1,7 @@
+#include <lefort/anatomy/parametric_head.h>
 #include <lefort/anatomy/synthetic_head.h>
 #include <lefort/core/units.h>
+#include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/write_dicom.h>
@@ -7,10 +9,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace lefort::pipeline {
@@ -65,9 +70,49 @@ std::string name_of(PhantomVariant variant, Index k, Index count) {
   return fmt::format("IM{:06}", k * step % count);
 }
 
+/// Slices, labels and, if they are known, landmarks.
+struct Phantom {
+  std::vector<image::CtVolume> slices;
+  anatomy::LabelMap labels;
+  plan::Landmarks landmarks;
+};
+
+Phantom simple_head(const PhantomJob& job) {
+  anatomy::SyntheticMaterials materials;
+  materials.noise_hu = job.noise_hu;
+  Phantom phantom;
+  const std::vector<image::Grid> slices = slices_of(job.variant, job.voxel_mm);
+  for (std::size_t k = 0; k < slices.size(); ++k)
+    phantom.slices.push_back(anatomy::synthetic_scan(slices[k], materials, k + 1));
+  phantom.labels = anatomy::synthetic_labels(anatomy::synthetic_grid(job.voxel_mm));
+  return phantom;
+}
+
+Phantom head_with_teeth(const PhantomJob& job) {
+  const anatomy::ParametricHead head({});
+  anatomy::LabeledScan scan = anatomy::scan_of(head, job.voxel_mm, job.noise_hu, 1);
+  constexpr std::int16_t kMin_hu = -1024;  // Of scanners; noise in air is cut off.
+  Phantom phantom;
+  for (Index k = 0; k < scan.ct.grid.size[2]; ++k) {
+    image::CtVolume slice{scan.ct.grid, {}};
+    slice.grid.size[2] = 1;
+    slice.grid.origin_L = scan.ct.grid.point_L({0.0, 0.0, double(k)});
+    const auto first = scan.ct.values.begin() + std::ptrdiff_t(scan.ct.grid.offset(0, 0, k));
+    slice.values.assign(first, first + std::ptrdiff_t(slice.grid.voxel_count()));
+    for (std::int16_t& value_hu : slice.values) value_hu = std::max(value_hu, kMin_hu);
+    phantom.slices.push_back(std::move(slice));
+  }
+  phantom.labels = std::move(scan.labels);
+  for (const auto& [name, p_L] : anatomy::true_landmarks(head))
+    phantom.landmarks.push_back({name, p_L});
+  return phantom;
+}
+
 }  // namespace
 
 Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
+  if (job.head == PhantomHead::kTeeth && job.variant != PhantomVariant::kPlain)
+    return fail(ErrorCode::kInvalidArgument, "a head with teeth has the variant plain only");
   const fs::path dicom = job.output / "dicom";
   std::error_code error;
   if (fs::exists(dicom, error) && !fs::is_empty(dicom, error))
@@ -78,27 +123,26 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::make_output_folder(dicom));
 
   progress.begin_stage("scan the synthetic head");
-  const std::vector<image::Grid> slices = slices_of(job.variant, job.voxel_mm);
+  const Phantom phantom = job.head == PhantomHead::kTeeth ? head_with_teeth(job) : simple_head(job);
   const io::DicomSeriesText text{.patient_name = "SYNTHETIC^HEAD",
                                  .description = "computed, not a patient",
                                  .number = 1 + std::uint64_t(job.variant)};
-  anatomy::SyntheticMaterials materials;
-  materials.noise_hu = job.noise_hu;
-  for (std::size_t k = 0; k < slices.size(); ++k) {
+  const Index count = std::ssize(phantom.slices);
+  for (Index k = 0; k < count; ++k) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the phantom was stopped");
-    progress.report(double(k) / double(slices.size()));
-    const std::string name = name_of(job.variant, Index(k), std::ssize(slices));
-    LEFORT_TRY_VOID(io::write_dicom_slice(
-        dicom / name, anatomy::synthetic_scan(slices[k], materials, k + 1), Index(k + 1), text));
+    progress.report(double(k) / double(count));
+    LEFORT_TRY_VOID(io::write_dicom_slice(dicom / name_of(job.variant, k, count),
+                                          phantom.slices[std::size_t(k)], k + 1, text));
   }
   progress.begin_stage("write the labels");
-  LEFORT_TRY_VOID(
-      io::write_segmentation(job.output / "labels.seg.nrrd",
-                             anatomy::synthetic_labels(anatomy::synthetic_grid(job.voxel_mm))));
+  LEFORT_TRY_VOID(io::write_segmentation(job.output / "labels.seg.nrrd", phantom.labels));
+  if (!phantom.landmarks.empty())
+    LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks.mrk.json", phantom.landmarks));
   Summary summary;
-  summary.text = fmt::format("{}: {} slices in dicom, and their labels in labels.seg.nrrd",
-                             job.output.string(), slices.size());
-  summary.json = {{"output", job.output.string()}, {"slices", slices.size()}};
+  summary.text = fmt::format("{}: {} slices in dicom, and their labels in labels.seg.nrrd{}",
+                             job.output.string(), count,
+                             phantom.landmarks.empty() ? "" : "; landmarks in landmarks.mrk.json");
+  summary.json = {{"output", job.output.string()}, {"slices", count}};
   return summary;
 }
 

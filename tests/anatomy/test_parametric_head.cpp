@@ -1,0 +1,56 @@
+#include <lefort/anatomy/parametric_head.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace lefort::anatomy::test_parametric_head {
+namespace {
+
+/// In the frame of the head.
+Vec3 landmark_of(const ParametricHead& head, const std::vector<NamedPoint>& all,
+                 const std::string& name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  EXPECT_NE(found, all.end()) << name;
+  return found == all.end() ? Vec3::Zero() : Vec3(head.X_LH().inverse() * found->point_L);
+}
+
+/// Normal proportions of lips and teeth at rest \cite arnett1993: the upper incisors show by 2 to
+/// 4 mm, the upper lip ends above the lower teeth, and its length is about half of that of the
+/// lower lip and chin.
+TEST(ParametricHead, TheLipsCloseAtTheUpperIncisors) {
+  for (const std::uint64_t seed : {0, 104, 7001, 7002, 7003, 2001}) {
+    const ParametricHead head(seed == 0 ? HeadShape{} : draw_head_shape(seed));
+    const std::vector<NamedPoint> all = true_landmarks(head);
+    const auto z = [&](const char* name) { return landmark_of(head, all, name).z(); };
+    EXPECT_GE(z("Stm") - z("U1"), 2.0) << seed;
+    EXPECT_LE(z("Stm") - z("U1"), 4.0) << seed;
+    EXPECT_GT(z("L1"), z("U1")) << seed;  // An overbite.
+    const double ratio = (z("Sn") - z("Stm")) / (z("Stm") - z("Me'"));
+    EXPECT_GT(ratio, 0.4) << seed;
+    EXPECT_LT(ratio, 0.7) << seed;
+    // In order from above.
+    const std::vector<std::string> order{"Prn", "Sn", "A'", "Ls", "Stm", "Li", "B'", "Pg'", "Me'"};
+    for (std::size_t k = 1; k < order.size(); ++k)
+      EXPECT_GT(z(order[k - 1].c_str()), z(order[k].c_str())) << seed << " " << order[k];
+  }
+}
+
+/// No tooth lies outside the skin, and lips cover the front teeth.
+TEST(ParametricHead, TissueCoversTheTeeth) {
+  constexpr double kMin_mm = 0.3;
+  for (const std::uint64_t seed : {0, 104, 7001, 7002, 7003}) {
+    const ParametricHead head(seed == 0 ? HeadShape{} : draw_head_shape(seed));
+    for (double x = -30.0; x <= 30.0; x += 1.0)
+      for (double y = -110.0; y <= -60.0; y += 1.0)
+        for (double z = -62.0; z <= -36.0; z += 1.0) {
+          const Vec3 p_L = head.X_LH() * head.from_mean({x, y, z});
+          if (std::max(head.skull(p_L), head.mandible(p_L)) <= 0.0) continue;
+          EXPECT_GT(head.skin(p_L), kMin_mm) << seed << ": " << x << " " << y << " " << z;
+        }
+  }
+}
+
+}  // namespace
+}  // namespace lefort::anatomy::test_parametric_head
