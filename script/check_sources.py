@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Fails when an #include breaks src/lefort/LAYERS, names a library its layer may not use or the world
 outside, when headers or TypeScript modules include each other in a cycle, when a line, function or file is too long, when \\cite
-and docs/references.bib do not match, or when a word is used that docs/glossary.md replaces. Run from the
-repository root; it is the ctest `sources`.
+and docs/references.bib do not match, when docs/safety.md names a test that does not exist, or when a word is used that
+docs/glossary.md replaces. Run from the repository root; it is the ctest `sources`.
 """
 import csv
 import os
@@ -156,6 +156,14 @@ def deprecated_words(words: Path) -> list[str]:
     return found
 
 
+def missing_tests(page: Path) -> list[str]:
+    """Tests that the table of risks names and that do not exist."""
+    heads = "".join(path.read_text(encoding="utf-8") for path in tracked_files("tests/*.cpp"))
+    existing = {f"{suite}.{name}" for suite, name in re.findall(r"^TEST(?:_F|_P)?\((\w+), (\w+)\)", heads, re.MULTILINE)}
+    named = re.findall(r"`([A-Z]\w+\.[A-Z]\w+)`", page.read_text(encoding="utf-8"))
+    return [f"{page}: the test {name} does not exist" for name in named if name not in existing]
+
+
 def function_lengths(text: str) -> Iterator[tuple[str, int, int]]:
     """Yields (head, first line, number of lines) of each function in clang-formatted C++."""
     lines = text.split("\n")
@@ -256,6 +264,7 @@ if __name__ == "__main__":
     problems += import_cycles(Path("web/src"))
     problems += citation_mismatches(ROOT, Path("docs/references.bib"), RATIOS)
     problems += undocumented_ratios(RATIOS, Path("docs/reference/soft-tissue-ratios.md"))
+    problems += missing_tests(Path("docs/safety.md"))
     problems += oversized(Path("script/long_functions.tsv"))
     problems += deprecated_words(Path("script/deprecated_words.tsv"))
     print("\n".join(problems) or "layers, citations, sizes and words: ok")
