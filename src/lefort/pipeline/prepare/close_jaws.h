@@ -20,7 +20,8 @@ namespace lefort::pipeline {
 /// \returns the text of the plan with angles, or
 ///   - kAnatomyMissing  the labels have no mandible;
 ///   - kPlanInvalid     `to` names the segment itself, no segment, or one without bone of the
-///     skull; `as` names no segment that closes to a gap; a landmark is missing; or the teeth do not meet;
+///     skull; `as` names no segment that closes to a gap; a landmark is missing; or the teeth do
+///     not meet;
 ///   - the errors of plan::upper_bones() and anatomy::extract_isosurface().
 [[nodiscard]] Result<std::string> close_jaws(const std::filesystem::path& file, std::string text,
                                              const ScannedLabels& head, Progress& progress);
