@@ -37,14 +37,14 @@ TEST(ParametricHead, TheLipsCloseAtTheUpperIncisors) {
   }
 }
 
-/// No tooth lies outside the skin, and lips cover the front teeth.
-TEST(ParametricHead, TissueCoversTheTeeth) {
-  constexpr double kMin_mm = 0.3;
+/// No tooth lies outside the skin, lips cover the front teeth, and tissue covers the mandible.
+TEST(ParametricHead, TissueCoversTheJaws) {
+  constexpr double kMin_mm = 0.3, kStep_mm = 1.5;
   for (const std::uint64_t seed : {0, 104, 7001, 7002, 7003}) {
     const ParametricHead head(seed == 0 ? HeadShape{} : draw_head_shape(seed));
-    for (double x = -30.0; x <= 30.0; x += 1.0)
-      for (double y = -110.0; y <= -60.0; y += 1.0)
-        for (double z = -62.0; z <= -36.0; z += 1.0) {
+    for (double x = -72.0; x <= 72.0; x += kStep_mm)
+      for (double y = -110.0; y <= -10.0; y += kStep_mm)
+        for (double z = -105.0; z <= -5.0; z += kStep_mm) {
           const Vec3 p_L = head.X_LH() * head.from_mean({x, y, z});
           if (std::max(head.skull(p_L), head.mandible(p_L)) <= 0.0) continue;
           EXPECT_GT(head.skin(p_L), kMin_mm) << seed << ": " << x << " " << y << " " << z;

@@ -193,6 +193,10 @@ double ParametricHead::skin(const Vec3& p_L) const {
   body = join(body, ellipsoid(q, {80, 6, -2}, {5, 14, 28}), 4.0);     // Ear.
   body = join(body, ellipsoid(q, {32, -80, 15}, {14, 13, 11}), 3.0);  // Eye.
   body = join(body, nose(p, s), 6.0);
+  // Min depth of soft tissue over the mandible and the zygoma; heuristic.
+  constexpr double kOverMandible_mm = 5.0, kOverZygoma_mm = 4.0;
+  body = join(body, lower_jaw(p, s) + kOverMandible_mm, 4.0);
+  body = join(body, zygoma(q, s) + kOverZygoma_mm, 4.0);
   body = mouth(p, body, s);
   body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);    // Medial canthus.
   return without(body, ellipsoid(q, {46.5, -86, 14}, {3, 8, 3}), 2.0);  // Lateral canthus.
