@@ -80,6 +80,7 @@ Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
   read(tissue, "element_size_mm", options.element_size_mm);
   options.far_element_size_mm = std::max(options.far_element_size_mm, options.element_size_mm);
   read(tissue, "far_element_size_mm", options.far_element_size_mm);
+  read(tissue, "element_order", options.element_order);
   read(tissue, "margin_mm", options.margin_mm);
   if (options.face && options.face->element_size_mm > options.far_element_size_mm)
     return fail(ErrorCode::kPlanInvalid,

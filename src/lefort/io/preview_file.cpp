@@ -136,7 +136,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
                               is_bilateral[s] != 0, stiffness[2 * s], stiffness[2 * s + 1]});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
     model.skin.embedded_vertices.push_back(
-        {{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
+        {.face = {nodes[v], nodes[v + 1], nodes[v + 2]}, .weights = Vec3(&weights[v])});
   model.support_n_per_mm = rest[0];
   model.segment_count = std::int32_t(rest[1]);
   return model;

@@ -2,10 +2,10 @@
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/mesh/element_faces.h>
+#include <lefort/mesh/elevate_order.h>
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -111,39 +111,6 @@ void for_each_cell(const std::array<int, 3>& cells, const Fill& fill) {
       for (int i = 0; i < cells[0]; ++i) fill(Cell{i, j, k});
 }
 
-ElementShape quadratic(ElementShape shape) {
-  switch (shape) {
-    case ElementShape::kTet4:
-      return ElementShape::kTet10;
-    case ElementShape::kWedge6:
-      return ElementShape::kWedge15;
-    default:
-      LEFORT_CHECK(shape == ElementShape::kHex8);
-      return ElementShape::kHex20;
-  }
-}
-
-/// Puts a node in the middle of every edge.
-void make_quadratic(VolumeMesh& mesh) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middle;
-  for (ElementBlock& block : mesh.blocks) {
-    const ElementBlock linear = std::exchange(block, {});
-    block = {.shape = quadratic(linear.shape), .nodes = {}, .region = linear.region};
-    for (Index e = 0; e < linear.element_count(); ++e) {
-      const std::int32_t* node = linear.element(e);
-      block.nodes.insert(block.nodes.end(), node, node + node_count(linear.shape));
-      for (const auto& [i, j] : edges_of(linear.shape)) {
-        const auto [known, is_new] =
-            middle.try_emplace(std::minmax(node[i], node[j]), std::int32_t(mesh.nodes_L.size()));
-        if (is_new)
-          mesh.nodes_L.emplace_back(
-              0.5 * (mesh.nodes_L[std::size_t(node[i])] + mesh.nodes_L[std::size_t(node[j])]));
-        block.nodes.push_back(known->second);
-      }
-    }
-  }
-}
-
 /// Adds the sets of the six sides and of the whole boundary.
 VolumeMesh with_sets(VolumeMesh mesh, const Vec3& size_mm) {
   const std::vector<Face> boundary = boundary_faces(mesh);
@@ -183,7 +150,7 @@ VolumeMesh make_box(ElementShape shape, std::array<int, 3> cells, const Vec3& si
     }
   });
   VolumeMesh mesh = std::move(box).finished();
-  if (node_count(shape) > corner_count(shape)) make_quadratic(mesh);
+  if (node_count(shape) > corner_count(shape)) mesh = elevate_order(std::move(mesh)).mesh;
   return with_sets(std::move(mesh), size_mm);
 }
 
@@ -212,7 +179,7 @@ VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size
     }
   });
   VolumeMesh mesh = std::move(box).finished();
-  if (mix != BoxMix::kAllLinear) make_quadratic(mesh);
+  if (mix != BoxMix::kAllLinear) mesh = elevate_order(std::move(mesh)).mesh;
   return with_sets(std::move(mesh), size_mm);
 }
 

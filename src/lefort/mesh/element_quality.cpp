@@ -150,7 +150,6 @@ std::array<double, 2> dihedral_range_deg(ElementShape shape, std::span<const Vec
 }
 
 double volume_of(ElementShape shape, std::span<const Vec3> nodes) {
-  LEFORT_CHECK(node_count(shape) == corner_count(shape));
   LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
   // Six times the volume between each face and the first node. For a bilinear face it is the mean
   // over the two ways to split the face into triangles.
@@ -162,7 +161,7 @@ double volume_of(ElementShape shape, std::span<const Vec3> nodes) {
     const auto under = [&](std::size_t a, std::size_t b, std::size_t c) {
       return at(a).cross(at(b)).dot(at(c));
     };
-    sixfold += face.shape == FaceShape::kTri3
+    sixfold += corner_count(face.shape) == 3
                    ? under(0, 1, 2)
                    : 0.5 * (under(0, 1, 2) + under(0, 2, 3) + under(0, 1, 3) + under(1, 2, 3));
   }
@@ -220,9 +219,11 @@ MeshQuality measure_quality(const VolumeMesh& mesh) {
       for (int n = 0; n < node_count(block.shape); ++n)
         nodes.push_back(mesh.nodes_L[std::size_t(block.element(e)[n])]);
       ElementQuality one{};
-      if (block.shape == ElementShape::kTet4) {
+      if (corner_count(block.shape) == 4) {
         const TetQuality tet = tet_quality(nodes[0], nodes[1], nodes[2], nodes[3]);
-        one = {tet.volume_mm3, tet.min_dihedral_deg, tet.max_dihedral_deg, tet.scaled_jacobian};
+        one = {tet.volume_mm3, tet.min_dihedral_deg, tet.max_dihedral_deg,
+               block.shape == ElementShape::kTet4 ? tet.scaled_jacobian
+                                                  : scaled_jacobian(block.shape, nodes)};
         all.min_radius_ratio =
             tets == 0 ? tet.radius_ratio : std::min(all.min_radius_ratio, tet.radius_ratio);
         radius_ratios += tet.radius_ratio;

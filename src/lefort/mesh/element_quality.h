@@ -59,7 +59,8 @@ struct TetQuality {
 [[nodiscard]] std::array<double, 2> dihedral_range_deg(ElementShape shape,
                                                        std::span<const Vec3> nodes);
 
-/// \param shape  linear; quadrilateral faces are bilinear.
+/// \param shape  of the element. A quadratic element is measured with straight edges; quadrilateral
+///   faces are bilinear.
 /// \param nodes  positions of the element's nodes, in their order.
 /// \returns the volume [mm^3]; negative if the element is inverted.
 [[nodiscard]] double volume_of(ElementShape shape, std::span<const Vec3> nodes);
@@ -88,7 +89,8 @@ struct MeshQuality : QualitySummary {
   std::vector<std::pair<ElementShape, QualitySummary>> by_shape;  ///< Shapes that occur.
 };
 
-/// \param mesh  every block is of a linear shape.
+/// \param mesh  blocks of linear shapes and tet10. Dihedral angles, volumes and radius ratios of a
+///   tet10 are those of the tetrahedron with straight edges.
 /// \returns the quality of all elements.
 [[nodiscard]] MeshQuality measure_quality(const VolumeMesh& mesh);
 

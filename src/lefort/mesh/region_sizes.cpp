@@ -8,7 +8,7 @@ namespace lefort::mesh {
 
 std::map<std::int32_t, RegionSize> region_sizes(const VolumeMesh& mesh) {
   std::map<std::int32_t, RegionSize> sizes;
-  std::array<Vec3, 8> nodes;
+  std::array<Vec3, 20> nodes;
   for (const ElementBlock& block : mesh.blocks) {
     const auto count = std::size_t(node_count(block.shape));
     for (Index e = 0; e < block.element_count(); ++e) {

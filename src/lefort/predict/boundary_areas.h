@@ -11,7 +11,11 @@ namespace lefort::predict {
 
 /// Of a node; zero for nodes inside the mesh.
 struct BoundaryNode {
-  double area_mm2 = 0.0;         ///< A third of each adjacent triangle.
+  double area_mm2 = 0.0;  ///< A third of each adjacent triangle; quadratic faces are four or six.
+  /// Integral of the node's shape function over flat faces: area_mm2 of linear faces; of a tri6 a
+  /// third at mid-edge nodes, zero at corners. Springs with these areas transfer a uniform pressure
+  /// without error.
+  double load_area_mm2 = 0.0;
   Vec3 normal_L = Vec3::Zero();  ///< Out of the tissue; mean by area, unit length.
 };
 

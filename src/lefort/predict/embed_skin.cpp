@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,38 @@ std::vector<mesh::Face> faces_but_lips(const mesh::VolumeMesh& tissue) {
   return faces;
 }
 
+/// For each of triangles_of() some faces, its face.
+std::vector<std::size_t> faces_of_triangles(const std::vector<mesh::Face>& faces) {
+  std::vector<std::size_t> face_of;
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    face_of.insert(face_of.end(), mesh::triangles_of(std::span(&faces[f], 1)).size(), f);
+  return face_of;
+}
+
+/// Shape functions of a tri6 at a point of one of its four triangles.
+///
+/// \param weights  barycentric coordinates in the triangle, sum 1.
+/// \param part     factor of the result.
+SkinEmbedding::EmbeddedVertex in_quadratic(const mesh::Face& face, const mesh::Face3& triangle,
+                                           const Vec3& weights, double part) {
+  Vec3 L = Vec3::Zero();  // Barycentric coordinates in the face.
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t n = 0; n < 6; ++n) {
+      if (face.nodes[n] != triangle[k]) continue;
+      if (n < 3) L[Index(n)] += weights[Index(k)];
+      if (n < 3) continue;
+      L[Index(n) - 3] += 0.5 * weights[Index(k)];
+      L[(Index(n) - 2) % 3] += 0.5 * weights[Index(k)];
+    }
+  SkinEmbedding::EmbeddedVertex vertex{.face = {face.nodes[0], face.nodes[1], face.nodes[2]},
+                                       .middle = {face.nodes[3], face.nodes[4], face.nodes[5]}};
+  for (Index i = 0; i < 3; ++i) {
+    vertex.weights[i] = part * L[i] * (2.0 * L[i] - 1.0);
+    vertex.middle_weights[i] = part * 4.0 * L[i] * L[(i + 1) % 3];
+  }
+  return vertex;
+}
+
 }  // namespace
 
 double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm) {
@@ -59,21 +92,27 @@ SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::Volum
                          double near_mm) {
   LEFORT_CHECK(near_mm > 0.0);
   const double far_mm = 4.0 * near_mm;
-  const std::vector<mesh::Face3> faces = mesh::triangles_of(faces_but_lips(tissue));
-  const geometry::Bvh boundary({tissue.nodes_L, faces});
+  const std::vector<mesh::Face> faces = faces_but_lips(tissue);
+  const std::vector<mesh::Face3> triangles = mesh::triangles_of(faces);
+  const std::vector<std::size_t> face_of = faces_of_triangles(faces);
+  const geometry::Bvh boundary({tissue.nodes_L, triangles});
 
   SkinEmbedding embedding;
   embedding.embedded_vertices.resize(skin_L.vertices.size());
   parallel_for(skin_L.vertex_count(), [&](Index v) {
     const auto nearest = boundary.closest_point(skin_L.vertices[std::size_t(v)], far_mm);
     if (!nearest) return;
-    const mesh::Face3& face = faces[std::size_t(nearest->triangle)];
+    const mesh::Face3& triangle = triangles[std::size_t(nearest->triangle)];
     const auto node = [&](int corner) -> const Vec3& {
-      return tissue.nodes_L[std::size_t(face[std::size_t(corner)])];
+      return tissue.nodes_L[std::size_t(triangle[std::size_t(corner)])];
     };
-    embedding.embedded_vertices[std::size_t(v)] = {
-        face, fade(nearest->distance_mm, near_mm, far_mm) *
-                  barycentric(nearest->point, node(0), node(1), node(2))};
+    const double part = fade(nearest->distance_mm, near_mm, far_mm);
+    const Vec3 weights = barycentric(nearest->point, node(0), node(1), node(2));
+    const mesh::Face& face = faces[face_of[std::size_t(nearest->triangle)]];
+    embedding.embedded_vertices[std::size_t(v)] =
+        face.shape == mesh::FaceShape::kTri6
+            ? in_quadratic(face, triangle, weights, part)
+            : SkinEmbedding::EmbeddedVertex{.face = triangle, .weights = part * weights};
   });
   return embedding;
 }
@@ -87,6 +126,11 @@ std::vector<Vec3> skin_displacement(const SkinEmbedding& embedding,
       displacement_mm[std::size_t(v)] +=
           embedded.weights[corner] *
           tissue_displacement_mm[std::size_t(embedded.face[std::size_t(corner)])];
+    if (embedded.middle_weights.isZero(0.0)) return;
+    for (int edge = 0; edge < 3; ++edge)
+      displacement_mm[std::size_t(v)] +=
+          embedded.middle_weights[edge] *
+          tissue_displacement_mm[std::size_t(embedded.middle[std::size_t(edge)])];
   });
   return displacement_mm;
 }

@@ -16,7 +16,11 @@ namespace lefort::predict {
 struct SkinEmbedding {
   struct EmbeddedVertex {
     mesh::Face3 face{0, 0, 0};
-    Vec3 weights = Vec3::Zero();  ///< Sum 1 near the tissue mesh, 0 beyond the region.
+    Vec3 weights = Vec3::Zero();  ///< Of its corners.
+    /// Mid-edge nodes of a quadratic face and their weights; zero for a linear one. All weights
+    /// together: sum 1 near the tissue mesh, 0 beyond the region.
+    mesh::Face3 middle{0, 0, 0};
+    Vec3 middle_weights = Vec3::Zero();
   };
   std::vector<EmbeddedVertex> embedded_vertices;  ///< One per skin vertex.
 };
@@ -24,8 +28,9 @@ struct SkinEmbedding {
 /// Embeds each vertex of the skin in the closest boundary face of the tissue mesh. Faces at which
 /// the lips touch each other are left out.
 ///
-/// Within `near_mm` of the mesh the weights are barycentric coordinates; they decrease smoothly to
-/// zero at four times that distance, so that the skin stays smooth where the region ends.
+/// Within `near_mm` of the mesh the weights are the shape functions of the face; they decrease
+/// smoothly to zero at four times that distance, so that the skin stays smooth where the region
+/// ends.
 ///
 /// \param skin_L   the whole skin surface.
 /// \param tissue   mesh of the region.

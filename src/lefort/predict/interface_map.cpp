@@ -282,6 +282,34 @@ std::vector<char> nodes_of_lips(const mesh::VolumeMesh& tissue) {
   return is_on_lip;
 }
 
+/// Gives mid-edge nodes of the boundary the condition of both corners, if these have the same
+/// condition on the same bone. Otherwise, and in planes, the rule decides at the position of the
+/// node. Paint is kept.
+void join_middle_nodes(std::vector<NodeInterface>& nodes, const mesh::VolumeMesh& tissue) {
+  std::vector<std::int32_t> place(tissue.nodes_L.size(), -1);
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    place[std::size_t(nodes[n].node)] = std::int32_t(n);
+  const auto at = [&](std::int32_t node) -> NodeInterface& {
+    return nodes[std::size_t(place[std::size_t(node)])];
+  };
+  for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
+    if (face.shape != mesh::FaceShape::kTri6) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      NodeInterface& middle = at(face.nodes[3 + i]);
+      const NodeInterface &a = at(face.nodes[i]), &b = at(face.nodes[(i + 1) % 3]);
+      const bool is_plane = a.condition == InterfaceCondition::kRoller ||
+                            a.condition == InterfaceCondition::kFoundation;
+      if (is_plane || middle.rule == InterfaceRule::kPainted) continue;
+      if (a.condition != b.condition || a.bone != b.bone) continue;
+      middle = {.node = middle.node,
+                .condition = a.condition,
+                .rule = a.rule,
+                .bone = a.bone,
+                .may_separate = a.may_separate && b.may_separate};
+    }
+  }
+}
+
 }  // namespace
 
 InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDomain& domain,
@@ -305,6 +333,7 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
     if (decided.rule == InterfaceRule::kAir) decided.rule = InterfaceRule::kLips;
     if (decided.condition == InterfaceCondition::kSliding) decided.may_separate = true;
   });
+  join_middle_nodes(map.nodes, tissue);
   std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)
     if (one.condition == InterfaceCondition::kRoller ||

@@ -23,7 +23,7 @@ contact::NodalSupport on_bone(const NodeInterface& one, const std::vector<Bounda
   const bool is_elevated = one.condition == InterfaceCondition::kElevated;
   const bool may_lift_off = is_elevated || one.may_separate;
   return {.node = one.node,
-          .area_mm2 = at.area_mm2,
+          .area_mm2 = at.load_area_mm2,
           .normal_B = -at.normal_L,  // Into the tissue, out of the bone.
           .normal_mpa_per_mm = is_elevated ? 0.0 : layer.normal_mpa_per_mm,
           .tension_mpa_per_mm = may_lift_off ? 0.0 : layer.normal_mpa_per_mm,
@@ -50,21 +50,22 @@ InterfaceSupports interface_supports(const mesh::VolumeMesh& tissue, const Inter
       layer_stiffness(kLayerYoung_mpa, kLayerPoisson, boundary.interface_layer_mm);
   for (const NodeInterface& one : map.nodes) {
     if (!is_supported_by_bone(one)) continue;
-    if (!(nodes[std::size_t(one.node)].area_mm2 > 0.0)) continue;
+    if (!(nodes[std::size_t(one.node)].load_area_mm2 > 0.0)) continue;
     auto& list = one.bone == kStationaryBone ? supports.on_stationary
                                              : supports.on_segments[std::size_t(one.bone)];
     list.push_back(on_bone(one, nodes, layer));
   }
   const LayerStiffness foundation =
       layer_stiffness(options.young_mpa, options.poisson, boundary.foundation_mm);
-  const double roller_mpa_per_mm = kRollerFactor * options.young_mpa / options.element_size_mm;
+  const double roller_mpa_per_mm = kRollerFactor * options.young_mpa / node_spacing_mm(options);
   for (const NodePlane& plane : map.planes) {
-    const double area_mm2 = nodes[std::size_t(plane.node)].area_mm2;
-    if (!(area_mm2 > 0.0)) continue;
     const auto at = std::lower_bound(
         map.nodes.begin(), map.nodes.end(), plane.node,
         [](const NodeInterface& one, std::int32_t node) { return one.node < node; });
     const bool is_roller = at->condition == InterfaceCondition::kRoller;
+    const BoundaryNode& node = nodes[std::size_t(plane.node)];
+    const double area_mm2 = is_roller ? node.area_mm2 : node.load_area_mm2;  // A roller is rigid.
+    if (!(area_mm2 > 0.0)) continue;
     const double normal_mpa_per_mm = is_roller ? roller_mpa_per_mm : foundation.normal_mpa_per_mm;
     auto& list =
         plane.segment >= 0 ? supports.on_segments[std::size_t(plane.segment)] : supports.on_planes;

@@ -465,7 +465,7 @@ contact::ContactStatistics PredictionStep::contact() const {
 }
 
 double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
-  return stiffness_factor(contact, tissue) * tissue.young_mpa / tissue.element_size_mm;
+  return stiffness_factor(contact, tissue) * tissue.young_mpa / node_spacing_mm(tissue);
 }
 
 Result<FacePrediction> predict_face(const FaceModel& model,

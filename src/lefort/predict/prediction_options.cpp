@@ -9,7 +9,7 @@ double stiffness_factor(const ContactOptions& contact, const TissueOptions& tiss
   if (contact.integration == contact::Integration::kWeighted)
     return contact::weighted_stiffness_mpa_per_mm(
                1.0, contact.penetration_tolerance_mm.value_or(contact::kWeightedTolerance_mm)) *
-           tissue.element_size_mm;
+           node_spacing_mm(tissue);
   return contact.penetration_tolerance_mm ? kByMultipliers : kByPenalty;
 }
 

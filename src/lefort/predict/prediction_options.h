@@ -94,12 +94,19 @@ struct TissueOptions {
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock close to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the mobilized segment.
   double far_element_size_mm = 5.0;  ///< Edge at the border of the region, >= element_size_mm.
+  int element_order = 1;             ///< 1: linear; 2: tet10 with curved boundary.
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
   std::optional<SkinOptions> skin = std::nullopt;      ///< Without: as deep tissue.
   std::optional<MucosaOptions> mucosa = std::nullopt;  ///< Without: as deep tissue.
   std::optional<MuscleOptions> muscle = std::nullopt;  ///< Without: as deep tissue.
   std::optional<FaceSize> face = std::nullopt;
 };
+
+/// Distance of neighboring nodes near the mobilized segment [mm]: element_size_mm / element_order.
+/// Stiffnesses of contact and rollers refer to it.
+[[nodiscard]] constexpr double node_spacing_mm(const TissueOptions& tissue) {
+  return tissue.element_size_mm / tissue.element_order;
+}
 
 struct BoundaryOptions {
   TissueInterface interface = TissueInterface::kClinical;
@@ -126,7 +133,7 @@ struct BoundaryOptions {
 inline constexpr double kElevationMargin_mm = 8.0;
 
 struct ContactOptions {
-  /// k_c = factor * Young's modulus / element size, > 0; default: stiffness_factor().
+  /// k_c = factor * Young's modulus / node spacing, > 0; default: stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;

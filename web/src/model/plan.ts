@@ -82,6 +82,7 @@ export interface Tissue {
   lips_and_nose_element_size_mm?: number;
   element_size_mm?: number;
   far_element_size_mm?: number;
+  element_order?: 1 | 2;
   margin_mm?: number;
 }
 

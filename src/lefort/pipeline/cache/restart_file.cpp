@@ -295,10 +295,11 @@ std::string restart_key(const PreparedCase& prepared) {
       hash.add(at).add(translation_mm).add(rotation_rad).add(center_L);
     }
   }
-  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
-               muscle, face] = plan.tissue;
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, element_order, margin_mm,
+               skin, mucosa, muscle, face] = plan.tissue;
   static_cast<void>(face);  // The mesh itself is above.
   hash.add(young_mpa).add(poisson).add(element_size_mm).add(far_element_size_mm).add(margin_mm);
+  hash.add(double(element_order));
   if (skin) {
     const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
     hash.add(thickness_mm).add(layers).add(skin_young_mpa).add(skin_poisson);

@@ -59,10 +59,11 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
   const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
   // The material does not change the mesh.
-  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
-               muscle, face] = options;
-  static_cast<void>(mucosa);  // Assigned after meshing.
-  static_cast<void>(muscle);  // As mucosa.
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, element_order, margin_mm,
+               skin, mucosa, muscle, face] = options;
+  static_cast<void>(element_order);  // The linear mesh is kept.
+  static_cast<void>(mucosa);         // Assigned after meshing.
+  static_cast<void>(muscle);         // As mucosa.
   io::Sha256 hash;
   hash.add(kVersion)
       .add(kTissueRevision)

@@ -120,6 +120,7 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
           {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
           {"element_size_mm", plan.tissue.element_size_mm},
           {"far_element_size_mm", plan.tissue.far_element_size_mm},
+          {"element_order", plan.tissue.element_order},
           {"margin_mm", plan.tissue.margin_mm},
           {"interface", name_of(boundary.interface)},
           {"scan_boundary", name_of(boundary.scan_boundary)},

@@ -21,6 +21,7 @@ predict::TissueOptions coarse(const predict::TissueOptions& fine) {
   predict::TissueOptions options = fine;
   options.element_size_mm = std::max(fine.element_size_mm, kElementSize_mm);
   options.far_element_size_mm = std::max(fine.far_element_size_mm, kFarElementSize_mm);
+  options.element_order = 1;
   options.skin.reset();
   options.mucosa.reset();
   options.face.reset();

@@ -104,11 +104,11 @@ void report_contact(const io::PlanFile& plan, Progress& progress) {
   const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
   progress.note(fmt::format(
       "contact: {} detection, k_c = {:.4g} kPa/mm ({:g} times Young's modulus, {:g} kPa, over the "
-      "element size, {:g} mm){}",
+      "node spacing, {:g} mm){}",
       contact::name_of(plan.contact.detection),
       kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
       predict::stiffness_factor(plan.contact, plan.tissue), kpa_from_mpa(plan.tissue.young_mpa),
-      plan.tissue.element_size_mm,
+      predict::node_spacing_mm(plan.tissue),
       plan.contact.integration == contact::Integration::kWeighted ? ", by weighted gaps"
       : tolerance_mm ? fmt::format(", multipliers until the P99 of penetration increase is {:g} mm",
                                    *tolerance_mm)

@@ -208,7 +208,7 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"where the scan ends", outer_boundary_in_words(plan.boundary.scan_boundary)},
            {"where the region ends", outer_boundary_in_words(plan.boundary.cut_boundary)},
            {"contact stiffness k_c",
-            is_contact ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
+            is_contact ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / node spacing",
                                      prediction.contact_stiffness_mpa_per_mm,
                                      predict::stiffness_factor(plan.contact, plan.tissue))
                        : std::string("\u2013")},

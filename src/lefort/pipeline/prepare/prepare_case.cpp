@@ -17,6 +17,7 @@
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/oral_fissure.h>
 #include <lefort/predict/path_overlaps.h>
+#include <lefort/predict/second_order_tissue.h>
 #include <lefort/predict/separate_lips.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/tissue_regions.h>
@@ -148,6 +149,7 @@ predict::TissueWithLips make_lips(mesh::VolumeMesh tissue, const predict::Tissue
 struct Tissue {
   predict::TissueBoundary boundary;
   predict::LipSlit lips;
+  mesh::VolumeMesh layered;  ///< Linear mesh with wedges, if the elements are quadratic.
 };
 Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions& options,
                            const predict::BoundaryOptions& boundary, const StageCache& cache,
@@ -170,6 +172,11 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
   progress.begin_stage("find boundaries");
   predict::TissueWithLips with_lips =
       make_lips(std::move(tissue), domain, face, boundary.lips, progress);
+  mesh::VolumeMesh layered;
+  if (options.element_order == 2) {
+    if (options.skin) layered = with_lips.tissue;
+    with_lips = predict::second_order_tissue(std::move(with_lips), domain, progress);
+  }
   const std::vector<plan::ElevationZone> zones =
       plan::elevation_zones(face.cut, face.planned, boundary.elevation_margin_mm);
   return Tissue{
@@ -177,7 +184,7 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
           std::move(with_lips.tissue), domain, head.labels, face.skin_L,
           {.segments_L = face.cut.segments_L, .remainder_L = remainder_L, .elevation = zones},
           boundary, face.painted),
-      std::move(with_lips.lips)};
+      std::move(with_lips.lips), std::move(layered)};
 }
 
 /// The field of stationary bone, if tissue meets it.
@@ -207,14 +214,25 @@ void note_boundary(const predict::TissueBoundary& boundary, const io::PlanFile& 
                     *mm, name_of(plan.boundary.scan_boundary)));
 }
 
+/// Faces by their corners.
+std::vector<mesh::Face> linear_faces(std::vector<mesh::Face> faces) {
+  for (mesh::Face& face : faces)
+    if (face.shape == mesh::FaceShape::kTri6)
+      face = {mesh::FaceShape::kTri3, {face.nodes[0], face.nodes[1], face.nodes[2]}};
+  return faces;
+}
+
+/// \param tissue   with its sets.
+/// \param layered  with the wedges of the skin.
 /// \returns the thickness of the skin's layer, if the plan has a material for skin.
 std::optional<mesh::LayerThickness> measure_skin_layer(const mesh::VolumeMesh& tissue,
+                                                       const mesh::VolumeMesh& layered,
                                                        const predict::TissueOptions& options,
                                                        const mesh::MeshQuality& quality,
                                                        Progress& progress) {
   if (!options.skin) return std::nullopt;
   const mesh::LayerThickness layer = mesh::layer_thickness_statistics(
-      tissue, predict::regions::kSkin, tissue.face_sets.at(predict::sets::kSkin),
+      layered, predict::regions::kSkin, linear_faces(tissue.face_sets.at(predict::sets::kSkin)),
       options.skin->layers, options.skin->thickness_mm);
   progress.note(
       fmt::format("skin: {:.2f} mm thick on average, wedges under {:.1f} % of {:.0f} mm2; {} "
@@ -261,8 +279,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
              find_stationary_bone(boundary, bones.cut.remainder_L, plan, cache, progress));
   mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
-  std::optional<mesh::LayerThickness> skin_layer =
-      measure_skin_layer(tissue, plan.tissue, quality, progress);
+  std::optional<mesh::LayerThickness> skin_layer = measure_skin_layer(
+      tissue, made.layered.blocks.empty() ? tissue : made.layered, plan.tissue, quality, progress);
   predict::FaceModel model{.tissue = std::move(tissue),
                            .segments = std::move(bones.segments),
                            .stationary_bone = std::move(stationary_bone),

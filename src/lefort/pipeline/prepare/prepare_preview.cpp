@@ -50,6 +50,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
     segment.path.keyframes = {geometry::Keyframe{}};
     segment.path.steps = 1;
   }
+  plan.tissue.element_order = 1;  // A preview is linear, and fast.
   LEFORT_TRY(const PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), job.ct,
                           StageCache(job.cache), progress));
