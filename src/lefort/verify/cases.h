@@ -11,6 +11,7 @@ namespace lefort::verify {
 [[nodiscard]] Section verify_convergence(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_laws(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_newton(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_inf_sup(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_cook(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_inflation(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_torsion(Extent extent, Progress& progress);
