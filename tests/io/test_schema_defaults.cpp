@@ -140,6 +140,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/tissue/skin/layers", plan.tissue.skin->layers},
        {"/tissue/skin/material", "skin-barbarino-2011"},
        {"/tissue/element_size_mm", plan.tissue.element_size_mm},
+       {"/tissue/element_order", plan.tissue.element_order},
        {"/tissue/far_element_size_mm", plan.tissue.far_element_size_mm},
        {"/tissue/margin_mm", plan.tissue.margin_mm},
        {"/boundary/interface", std::string(name_of(plan.boundary.interface))},
