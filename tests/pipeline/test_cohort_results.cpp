@@ -1,6 +1,7 @@
 /// \file
 /// The files of a cohort, and its statistics.
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/validate/calibration_report.h>
 #include <lefort/pipeline/validate/case_result.h>
 #include <lefort/pipeline/validate/cohort_report.h>
 #include <lefort/pipeline/validate/cohort_statistics.h>
@@ -155,6 +156,28 @@ TEST(WithoutPaths, RemovesTheFoldersFromAMessage) {
       "plan a/plan.json and cases/a/x");
   EXPECT_EQ(without_paths("cohort/a/before.nrrd is empty", "cohort/", "out"),
             "a/before.nrrd is empty");
+}
+
+TEST(CalibrationReport, ACaseThatFailsWhenHeldOutIsFittedAndListed) {
+  Calibration calibration;
+  calibration.parameters = {calibration_parameters().front()};
+  calibration.start = {1.0};
+  calibration.all = {{2.0}, {{1.0, 3.0}}, 4, true};
+  calibration.failures = {{"a", "no scan"}};
+  calibration.folds = {{.held_out = "b", .fitted = calibration.all, .held_out_error_mm = 0.5},
+                       {.held_out = "c",
+                        .fitted = calibration.all,
+                        .held_out_error_mm = NAN,
+                        .failure = "step 3 did not converge"}};
+  const auto json = calibration_json(calibration);
+  ASSERT_EQ(json["failures"].size(), 2U);
+  EXPECT_EQ(json["failures"][0]["case"], "a");
+  EXPECT_EQ(json["failures"][1]["case"], "c");
+  EXPECT_TRUE(json["folds"][1]["held_out_error_mm"].is_null());
+  const std::string text = calibration_text(calibration);
+  EXPECT_TRUE(text.starts_with("2 cases fitted, 1 not fitted, 1 failed when held out")) << text;
+  EXPECT_NE(text.find("c: with the parameters that were fitted without this case: step 3"),
+            std::string::npos);
 }
 
 }  // namespace

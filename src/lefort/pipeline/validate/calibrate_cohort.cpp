@@ -24,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr const char* kCalibration = "calibration.json";
 constexpr const char* kCalibrationTable = "calibration.csv";
 constexpr const char* kCalibrationPage = "calibration.html";
+constexpr const char* kNoCounterpart =
+    "no point of the predicted face has a counterpart after surgery within 20 mm";
 constexpr double kCoarse_mm = 4.0;  // Element size, unless the plan's is larger.
 
 /// The cases of a calibration and their residuals.
@@ -40,6 +42,10 @@ class CalibrationCohort {
   [[nodiscard]] std::vector<double> values(const VectorX& at) const;
   [[nodiscard]] VectorX coordinates(const std::vector<double>& values) const;
   [[nodiscard]] Index size() const { return Index(cases_.size()); }
+  /// The message of an error, without paths.
+  [[nodiscard]] std::string reason(const Error& error) const {
+    return without_paths(error.message, job_.cohort, job_.output);
+  }
   [[nodiscard]] const CalibrationCase& at(Index number) const {
     return cases_[std::size_t(number)];
   }
@@ -80,8 +86,7 @@ Result<void> CalibrationCohort::try_case(CalibrationCase& one, Calibration& cali
   LEFORT_TRY(const CaseResidual residual, one.evaluate(calibration.start, progress));
   if (std::isnan(mean_error_mm(residual)))
     return fail(ErrorCode::kInvalidArgument,
-                "no point of the predicted face has a counterpart after surgery within 20 mm: are "
-                "both in the same frame?");
+                std::string(kNoCounterpart) + ": are both in the same frame?");
   return {};
 }
 
@@ -97,8 +102,7 @@ Result<void> CalibrationCohort::open(const std::vector<fs::path>& folders,
       continue;
     }
     if (!is_of_case(tried.error())) return tried;
-    calibration.failures.emplace_back(
-        folder.filename().string(), without_paths(tried.error().message, job_.cohort, job_.output));
+    calibration.failures.emplace_back(folder.filename().string(), reason(tried.error()));
     progress_.note(fmt::format("failed: {}: {}", calibration.failures.back().first,
                                calibration.failures.back().second));
   }
@@ -181,22 +185,17 @@ CohortValue mean_with_interval(const std::vector<double>& values,
   return {mean(all), compare::bootstrap_interval(Index(values.size()), mean, bootstrap)};
 }
 
-/// Errors of a held-out case. A prediction that does not converge is listed as a failure; its error
-/// is then not a number.
+/// Errors of a held-out case. If its prediction fails, the fold has the reason.
 Result<void> evaluate_held_out(CalibrationCohort& cohort, Index out, const VectorX& start,
-                               const VectorX& fitted, CalibrationFold& fold,
-                               std::vector<std::pair<std::string, std::string>>& failures) {
+                               const VectorX& fitted, CalibrationFold& fold) {
   const std::array<Index, 1> alone{out};
   LEFORT_TRY(fold.start_error_mm, mean_error_of(cohort, alone, start));
   const Result<double> error_mm = mean_error_of(cohort, alone, fitted);
-  if (error_mm) {
-    fold.held_out_error_mm = *error_mm;
-    return {};
-  }
-  if (error_mm.error().code != ErrorCode::kNotConverged) return tl::unexpected(error_mm.error());
-  fold.held_out_error_mm = NAN;
-  failures.emplace_back(fold.held_out, "with the parameters that were fitted without this case: " +
-                                           error_mm.error().message);
+  if (!error_mm && error_mm.error().code != ErrorCode::kNotConverged)
+    return tl::unexpected(error_mm.error());
+  fold.held_out_error_mm = error_mm.value_or(NAN);
+  if (std::isfinite(fold.held_out_error_mm)) return {};
+  fold.failure = error_mm ? std::string(kNoCounterpart) : cohort.reason(error_mm.error());
   return {};
 }
 
@@ -226,18 +225,20 @@ Result<void> fit_and_validate(CalibrationCohort& cohort, const FitOptions& optio
     CalibrationFold line{.held_out = cohort.at(out).name(),
                          .fitted = fitted_values(cohort, fold, calibration.bootstrap)};
     LEFORT_TRY(line.fit_error_mm, mean_error_of(cohort, others, fold.at));
-    LEFORT_TRY_VOID(evaluate_held_out(cohort, out, start, fold.at, line, calibration.failures));
-    if (std::isfinite(line.held_out_error_mm)) {
+    LEFORT_TRY_VOID(evaluate_held_out(cohort, out, start, fold.at, line));
+    if (line.failure.empty()) {
       held_out_mm.push_back(line.held_out_error_mm);
       gains_mm.push_back(line.start_error_mm - line.held_out_error_mm);
+    } else {
+      progress.note(fmt::format("failed: {}: {}", line.held_out, line.failure));
     }
     calibration.folds.push_back(std::move(line));
   }
   if (held_out_mm.empty())
     return fail(ErrorCode::kNotConverged,
-                "no held-out case converged with the parameters that were fitted without it; the "
-                "last: " +
-                    calibration.failures.back().second);
+                fmt::format("no held-out case has an error with the parameters that were fitted "
+                            "without it; {}: {}",
+                            calibration.folds.back().held_out, calibration.folds.back().failure));
   calibration.held_out_mm = mean_with_interval(held_out_mm, calibration.bootstrap);
   calibration.gain_mm = mean_with_interval(gains_mm, calibration.bootstrap);
   return {};

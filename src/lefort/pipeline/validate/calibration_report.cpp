@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
@@ -59,12 +62,30 @@ report::ReportTable folds_table(const Calibration& calibration) {
     table.rows.push_back(
         {fold.held_out,
          std::isfinite(fold.held_out_error_mm) ? fmt::format("{:.3f}", fold.held_out_error_mm)
-                                               : std::string("not converged"),
+                                               : std::string("failed"),
          fmt::format("{:.3f}", fold.fit_error_mm), fmt::format("{:.3f}", fold.start_error_mm)});
     for (const std::string& words : values_in_words(fold.fitted))
       table.rows.back().push_back(words);
   }
   return table;
+}
+
+/// Cases that were not fitted, then held-out cases that failed, with the reasons.
+std::vector<std::array<std::string, 2>> all_failures(const Calibration& calibration) {
+  std::vector<std::array<std::string, 2>> all;
+  for (const auto& [name, reason] : calibration.failures) all.push_back({name, reason});
+  for (const CalibrationFold& fold : calibration.folds)
+    if (!fold.failure.empty())
+      all.push_back({fold.held_out,
+                     "with the parameters that were fitted without this case: " + fold.failure});
+  return all;
+}
+
+/// How many cases were fitted, and how many failed.
+std::string counts(const Calibration& calibration) {
+  const auto held_out = all_failures(calibration).size() - calibration.failures.size();
+  return fmt::format("{} cases fitted, {} not fitted, {} failed when held out",
+                     calibration.folds.size(), calibration.failures.size(), held_out);
 }
 
 }  // namespace
@@ -96,7 +117,7 @@ Json calibration_json(const Calibration& calibration) {
     line["start_error_mm"] = finite_or_null(fold.start_error_mm);
     json["folds"].push_back(std::move(line));
   }
-  for (const auto& [name, reason] : calibration.failures)
+  for (const auto& [name, reason] : all_failures(calibration))
     json["failures"].push_back({{"case", name}, {"reason", reason}});
   json["plan_keys"] = calibration.plan_keys;
   return json;
@@ -129,8 +150,7 @@ report::CaseReport calibration_page(const Calibration& calibration) {
   report::CaseReport report;
   report.title = fmt::format("Calibration on {} cases", calibration.folds.size());
   report.subtitle = "Parameters fitted to achieved faces, with cross-validation";
-  report.plan = fmt::format("{} cases were fitted, {} failed.", calibration.folds.size(),
-                            calibration.failures.size());
+  report.plan = counts(calibration) + ".";
   report.converged = true;
   report.key_numbers = {{"mean held-out error", in_words(calibration.held_out_mm, 2) + " mm"},
                         {"mean error with the parameters of the plans",
@@ -139,10 +159,10 @@ report::CaseReport calibration_page(const Calibration& calibration) {
                         {"mean error of the fit (not a measure of accuracy)",
                          fmt::format("{:.2f} mm", calibration.fit_error_mm)}};
   report.tables = {parameters_table(calibration), folds_table(calibration)};
-  if (!calibration.failures.empty()) {
+  if (const auto all = all_failures(calibration); !all.empty()) {
     report::ReportTable failures{
         .title = "Cases that failed", .heads = {"case", "reason"}, .rows = {}};
-    for (const auto& [name, reason] : calibration.failures) failures.rows.push_back({name, reason});
+    for (const auto& [name, reason] : all) failures.rows.push_back({name, reason});
     report.tables.push_back(std::move(failures));
   }
   report.notes = {
@@ -161,14 +181,14 @@ report::CaseReport calibration_page(const Calibration& calibration) {
 }
 
 std::string calibration_text(const Calibration& calibration) {
-  std::string text = fmt::format(
-      "{} cases, {} failed\n  mean error: {:.3f} mm at the start, {:.3f} mm fitted, {} mm held out",
-      calibration.folds.size(), calibration.failures.size(), calibration.start_error_mm,
-      calibration.fit_error_mm, in_words(calibration.held_out_mm, 3));
+  std::string text =
+      fmt::format("{}\n  mean error: {:.3f} mm at the start, {:.3f} mm fitted, {} mm held out",
+                  counts(calibration), calibration.start_error_mm, calibration.fit_error_mm,
+                  in_words(calibration.held_out_mm, 3));
   const auto words = values_in_words(calibration.all);
   for (std::size_t p = 0; p < words.size(); ++p)
     text += fmt::format("\n  {}: {}", calibration.parameters[p].name, words[p]);
-  for (const auto& [name, reason] : calibration.failures)
+  for (const auto& [name, reason] : all_failures(calibration))
     text += fmt::format("\n  failed: {}: {}", name, reason);
   return text;
 }

@@ -27,8 +27,9 @@ struct CalibrationFold {
   std::string held_out;  ///< Name of the case.
   FittedValues fitted;
   double fit_error_mm = 0.0;  ///< Mean over the other cases.
-  /// Of the case, with parameters that were fitted without it; NaN if that did not converge.
+  /// Of the case, with parameters that were fitted without it; NaN if that failed.
   double held_out_error_mm = 0.0;
+  std::string failure = {};     ///< Why that failed, or empty.
   double start_error_mm = 0.0;  ///< Of the case, with Calibration::start.
 };
 
@@ -40,7 +41,8 @@ struct Calibration {
   CohortValue held_out_mm{};                        ///< Mean of the finite held-out errors.
   CohortValue gain_mm{};  ///< Mean of start minus held-out error, case by case.
   std::vector<CalibrationFold> folds;
-  std::vector<std::pair<std::string, std::string>> failures;  ///< Case and reason.
+  /// Cases without a prediction, and the reason; they are not part of any fit.
+  std::vector<std::pair<std::string, std::string>> failures;
   compare::BootstrapOptions bootstrap;
   nlohmann::ordered_json plan_keys;  ///< Keys of a plan with the fitted values.
 };
