@@ -234,5 +234,39 @@ TEST(BoundaryLabels, EachNodeIsCountedOnce) {
   EXPECT_TRUE(boundary_label_statistics(phantom_face(boundary).tissue).empty());
 }
 
+TEST(BoundaryLabels, BonesPushElevatedTissueAlsoWhereTheRestIsBonded) {
+  const BoundaryOptions boundary = test::bonded_boundary();
+  EXPECT_TRUE(phantom_face(boundary).tissue.face_sets.at(sets::kContact).empty());
+  FaceModel model = phantom_face(boundary, below(10.0, 26.0, BoundaryLabel::kElevated));
+  EXPECT_FALSE(model.tissue.face_sets.at(sets::kContact).empty());
+  EXPECT_EQ(model.tissue.face_sets.count(sets::kStationaryContact), 1U);
+  model.stationary_bone = test::moved(test::make_face_phantom().remainder_L);
+  PredictionOptions options;
+  options.tissue = kOptions;
+  options.boundary = boundary;
+  const auto prediction = predict_face(model, {test::straight(kUp_mm, 1)}, options);
+  ASSERT_TRUE(prediction && prediction->converged());
+  const contact::ContactStatistics& contact = prediction->steps.back().segments.front().contact;
+  EXPECT_GT(contact.nodes, 3);
+  EXPECT_LT(contact.max_penetration_increase_mm, 0.5 * kUp_mm.z());
+}
+
+TEST(BoundaryLabels, ABondedNodeMovesWithTheBoneOfTheMap) {
+  FaceModel model = phantom_face(test::bonded_boundary());
+  model.segments.push_back(model.segments.front());  // Equally close: the map decides.
+  std::vector<NodeInterface> bonded;
+  for (NodeInterface& node : model.interface.nodes)
+    if (node.condition == InterfaceCondition::kBonded && node.bone == 0) {
+      node.bone = std::int32_t(bonded.size() % 2);
+      bonded.push_back(node);
+    }
+  ASSERT_GT(bonded.size(), 4U);
+  const auto lists = bonded_by_segment(model, TissueInterface::kBonded);
+  ASSERT_EQ(lists.size(), 2U);
+  EXPECT_EQ(lists[0].size() + lists[1].size(), bonded.size());
+  for (const NodeInterface& node : bonded)
+    EXPECT_TRUE(std::ranges::binary_search(lists[std::size_t(node.bone)], node.node));
+}
+
 }  // namespace
 }  // namespace lefort::predict::test_boundary_labels

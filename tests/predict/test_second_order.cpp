@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -111,7 +112,7 @@ TEST(SecondOrder, LipsArePairedAtMidEdgeNodes) {
   linear.tissue = slit.mesh;
   linear.tissue.face_sets = {{sets::kUpperLip, slit.first_faces},
                              {sets::kLowerLip, slit.second_faces}};
-  const TissueWithLips quadratic = second_order_tissue(std::move(linear), cube());
+  const TissueWithLips quadratic = second_order_tissue(std::move(linear), cube()).value();
   double area_mm2 = 0.0;
   for (const LipPair& pair : quadratic.lips.pairs) {
     EXPECT_NE(pair.upper, pair.lower);
@@ -121,6 +122,19 @@ TEST(SecondOrder, LipsArePairedAtMidEdgeNodes) {
   }
   EXPECT_LE(area_mm2, slit.area_mm2 * (1.0 + 1e-12));
   EXPECT_GT(area_mm2, 0.8 * slit.area_mm2);  // The edges of the border are not paired.
+}
+
+TEST(SecondOrder, AWedgeThatCannotBeSplitIsAnError) {
+  mesh::VolumeMesh wedge;
+  wedge.nodes_L = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  wedge.blocks = {
+      {.shape = mesh::ElementShape::kWedge6, .nodes = {0, 2, 1, 3, 5, 4}, .region = {0}}};
+  EXPECT_TRUE(second_order_tissue({wedge, {}}, cube()));
+  wedge.nodes_L[5] = {-0.2, -0.6, 1.0};  // The upper triangle is inverted.
+  const auto split = second_order_tissue({wedge, {}}, cube());
+  ASSERT_FALSE(split);
+  EXPECT_EQ(split.error().code, ErrorCode::kMeshingFailed);
+  EXPECT_NE(split.error().message.find("flat or inverted"), std::string::npos);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/predict/face_model.h>
+#include <lefort/predict/tissue_boundary.h>
 
 #include <limits>
 
@@ -25,6 +26,17 @@ std::vector<std::vector<std::int32_t>> nodes_by_segment(const FaceModel& model,
   });
   std::vector<std::vector<std::int32_t>> lists(model.segments.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) lists[closest[n]].push_back(nodes[n]);
+  return lists;
+}
+
+std::vector<std::vector<std::int32_t>> bonded_by_segment(const FaceModel& model,
+                                                         TissueInterface interface) {
+  if (model.interface.nodes.empty())
+    return nodes_by_segment(model, nodes_with_segment(model.tissue, interface));
+  std::vector<std::vector<std::int32_t>> lists(model.segments.size());
+  for (const NodeInterface& one : model.interface.nodes)
+    if (one.condition == InterfaceCondition::kBonded && one.bone >= 0)
+      lists[std::size_t(one.bone)].push_back(one.node);
   return lists;
 }
 

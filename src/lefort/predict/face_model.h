@@ -41,4 +41,11 @@ struct FaceModel {
 [[nodiscard]] std::vector<std::vector<std::int32_t>> nodes_by_segment(
     const FaceModel& model, const std::vector<std::int32_t>& nodes);
 
+/// The nodes that move with each segment.
+///
+/// \returns one list for each segment: nodes that the interface map bonds to it, or, if the map is
+///   empty, those of nodes_with_segment() by nodes_by_segment().
+[[nodiscard]] std::vector<std::vector<std::int32_t>> bonded_by_segment(const FaceModel& model,
+                                                                       TissueInterface interface);
+
 }  // namespace lefort::predict

@@ -44,7 +44,7 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
                                                          TissueInterface interface) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t> bonded = nodes_with_segment(tissue, interface);
-  const auto prescribed = nodes_by_segment(model, bonded);
+  const auto prescribed = bonded_by_segment(model, interface);
   const auto touching = nodes_by_segment(model, nodes_on_segment(tissue));
   std::vector<PreviewModel::Support> supports;
   for (std::size_t k = 0; k < model.segments.size(); ++k) {
@@ -172,7 +172,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
                                         const BoundaryOptions& boundary, const Vec3& spacing_mm) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
-  if (boundary.interface != TissueInterface::kClinical &&
+  const bool is_elevated_only = nodes_painted(tissue, BoundaryLabel::kContact).empty() &&
+                                !nodes_painted(tissue, BoundaryLabel::kElevated).empty();
+  if (boundary.interface != TissueInterface::kClinical && !is_elevated_only &&
       tissue.face_sets.contains(sets::kStationaryContact))
     return fail(ErrorCode::kPlanInvalid,
                 "boundary.labels: the preview does not support tissue painted as contact");

@@ -282,6 +282,12 @@ std::vector<char> nodes_of_lips(const mesh::VolumeMesh& tissue) {
   return is_on_lip;
 }
 
+/// Whether the mesh ends at a node, in a plane.
+bool is_in_plane(const NodeInterface& node) {
+  return node.condition == InterfaceCondition::kRoller ||
+         node.condition == InterfaceCondition::kFoundation;
+}
+
 /// Gives mid-edge nodes of the boundary the condition of both corners, if these have the same
 /// condition on the same bone. Otherwise, and in planes, the rule decides at the position of the
 /// node. Paint is kept.
@@ -297,9 +303,8 @@ void join_middle_nodes(std::vector<NodeInterface>& nodes, const mesh::VolumeMesh
     for (std::size_t i = 0; i < 3; ++i) {
       NodeInterface& middle = at(face.nodes[3 + i]);
       const NodeInterface &a = at(face.nodes[i]), &b = at(face.nodes[(i + 1) % 3]);
-      const bool is_plane = a.condition == InterfaceCondition::kRoller ||
-                            a.condition == InterfaceCondition::kFoundation;
-      if (is_plane || middle.rule == InterfaceRule::kPainted) continue;
+      if (is_in_plane(a) || is_in_plane(middle)) continue;
+      if (middle.rule == InterfaceRule::kPainted) continue;
       if (a.condition != b.condition || a.bone != b.bone) continue;
       middle = {.node = middle.node,
                 .condition = a.condition,
@@ -336,8 +341,7 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
   join_middle_nodes(map.nodes, tissue);
   std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)
-    if (one.condition == InterfaceCondition::kRoller ||
-        one.condition == InterfaceCondition::kFoundation)
+    if (is_in_plane(one))
       for (const Vec3& normal_L :
            domain.planes_at(tissue.nodes_L[std::size_t(one.node)], kPlaneTolerance_mm))
         planes.push_back({one.node, normal_L});

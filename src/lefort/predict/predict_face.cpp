@@ -163,8 +163,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
              bone_distance_queries(model.segments, options.contact.detection));
   LEFORT_TRY_VOID(check_query_range(paths, model.segments, distance_queries_B, options.boundary));
   std::unique_ptr<FacePath> path(new FacePath(model, paths, options, watch, progress));
-  path->bonded_ =
-      nodes_by_segment(model, nodes_with_segment(model.tissue, options.boundary.interface));
+  path->bonded_ = bonded_by_segment(model, options.boundary.interface);
   LEFORT_TRY_VOID(check_sets(model, paths, path->bonded_));
 
   LEFORT_TRY(path->materials_, materials_of(options.tissue));
@@ -181,7 +180,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
 
 Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   const mesh::VolumeMesh& tissue = model_.tissue;
-  const bool is_sliding = options_.boundary.interface != TissueInterface::kBonded;
+  const bool is_sliding = !tissue.face_sets.at(sets::kContact).empty();
   const auto stationary_faces = tissue.face_sets.find(sets::kStationaryContact);
   const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
   const bool needs_stationary = slides_on_stationary || slides_on_stationary_bone(model_.interface);

@@ -2,6 +2,7 @@
 /// The tissue mesh in second order: tet10 with curved boundary.
 #pragma once
 
+#include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/predict/separate_lips.h>
 #include <lefort/predict/tissue_domain.h>
@@ -19,7 +20,9 @@ namespace lefort::predict {
 /// \param linear    mesh of the domain with linear elements, regions and lips.
 /// \param domain    its level is the surface.
 /// \param progress  notes how many edges are curved.
-[[nodiscard]] TissueWithLips second_order_tissue(TissueWithLips linear, const TissueDomain& domain,
-                                                 Progress& progress = Progress::none());
+/// \returns the mesh, or kMeshingFailed if a tetrahedron of a split element is flat or inverted.
+[[nodiscard]] Result<TissueWithLips> second_order_tissue(TissueWithLips linear,
+                                                         const TissueDomain& domain,
+                                                         Progress& progress = Progress::none());
 
 }  // namespace lefort::predict

@@ -19,6 +19,15 @@
 #include <vector>
 
 namespace lefort::predict {
+
+std::vector<std::int32_t> nodes_painted(const mesh::VolumeMesh& tissue, BoundaryLabel label) {
+  for (const BoundaryLabelStyle& style : kBoundaryLabelStyles)
+    if (const auto set = tissue.node_sets.find(style.set);
+        style.label == label && set != tissue.node_sets.end())
+      return set->second;
+  return {};
+}
+
 namespace {
 
 using NodeList = std::vector<std::int32_t>;
@@ -48,15 +57,6 @@ double area_mm2(const NodeList& nodes, const std::vector<BoundaryNode>& boundary
   double sum = 0.0;
   for (const std::int32_t node : nodes) sum += boundary[std::size_t(node)].area_mm2;
   return sum;
-}
-
-/// Nodes of a label; none if nothing was painted.
-NodeList nodes_painted(const mesh::VolumeMesh& tissue, BoundaryLabel label) {
-  for (const BoundaryLabelStyle& style : kBoundaryLabelStyles)
-    if (const auto set = tissue.node_sets.find(style.set);
-        style.label == label && set != tissue.node_sets.end())
-      return set->second;
-  return {};
 }
 
 /// Adds the node sets of the labels.
@@ -108,9 +108,10 @@ std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
   return faces;
 }
 
-/// Faces with at least one node that is painted as contact.
-std::vector<mesh::Face> faces_painted_as_contact(const mesh::VolumeMesh& tissue) {
-  const NodeList painted = nodes_painted(tissue, BoundaryLabel::kContact);
+/// Faces with at least one node that is painted as contact or elevated: all bones push it.
+std::vector<mesh::Face> faces_painted_as_pushed(const mesh::VolumeMesh& tissue) {
+  const NodeList painted = united(nodes_painted(tissue, BoundaryLabel::kContact),
+                                  nodes_painted(tissue, BoundaryLabel::kElevated));
   std::vector<mesh::Face> faces;
   for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
     const auto nodes = nodes_of(face);
@@ -169,10 +170,13 @@ TissueBoundary find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain&
   found.interface = make_interface_map(found.tissue, domain, labels, bones, options, painted);
   add_condition_sets(found.tissue, found.interface);
   auto& face_sets = found.tissue.face_sets;
-  face_sets[sets::kContact] = faces_that_may_touch(found.tissue);
+  std::vector<mesh::Face> painted_faces = faces_painted_as_pushed(found.tissue);
+  face_sets[sets::kContact] = options.interface == TissueInterface::kBonded
+                                  ? painted_faces
+                                  : faces_that_may_touch(found.tissue);
   std::vector<mesh::Face> on_stationary = options.interface == TissueInterface::kClinical
                                               ? face_sets[sets::kContact]
-                                              : faces_painted_as_contact(found.tissue);
+                                              : std::move(painted_faces);
   if (!on_stationary.empty()) face_sets[sets::kStationaryContact] = std::move(on_stationary);
   return found;
 }

@@ -25,11 +25,13 @@ inline constexpr const char* kCut = "cut";                     ///< Where the me
 inline constexpr const char* kScanBoundary = "scan_boundary";  ///< Where the scan ends.
 inline constexpr const char* kBrain = "brain";                 ///< At the cranial cavity.
 inline constexpr const char* kSkin = "skin";
-inline constexpr const char* kFree = "free";        ///< Airway and the rest.
-inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
-inline constexpr const char* kBonded = "bonded";    ///< Nodes that move with a segment.
-inline constexpr const char* kContact = "contact";  ///< Faces that may touch a segment.
-/// Faces that may touch stationary bone; missing if there are none.
+inline constexpr const char* kFree = "free";      ///< Airway and the rest.
+inline constexpr const char* kFixed = "fixed";    ///< Nodes that do not move.
+inline constexpr const char* kBonded = "bonded";  ///< Nodes that move with a segment.
+/// Faces that may touch a segment; with TissueInterface::kBonded only where this is painted.
+inline constexpr const char* kContact = "contact";
+/// Faces that may touch stationary bone: all of kContact (kClinical), otherwise those painted as
+/// contact or elevated. Missing if there are none.
 inline constexpr const char* kStationaryContact = "stationary_contact";
 }  // namespace sets
 
@@ -105,6 +107,10 @@ struct BoundaryLabelStatistics {
 /// Statistics of each of kBoundaryLabelStyles; empty if the mesh was not painted.
 [[nodiscard]] std::vector<BoundaryLabelStatistics> boundary_label_statistics(
     const mesh::VolumeMesh& tissue);
+
+/// Nodes of a label, ascending; none if nothing was painted.
+[[nodiscard]] std::vector<std::int32_t> nodes_painted(const mesh::VolumeMesh& tissue,
+                                                      BoundaryLabel label);
 
 /// Nodes of all labels, ascending.
 [[nodiscard]] std::vector<std::int32_t> all_painted_nodes(const mesh::VolumeMesh& tissue);

@@ -6,6 +6,8 @@
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
+#include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/element_faces.h>
 #include <lefort/pipeline/cache/stage_keys.h>
 #include <lefort/pipeline/prepare/cached_field.h>
 #include <lefort/pipeline/prepare/load_head.h>
@@ -24,7 +26,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -175,7 +182,7 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
   mesh::VolumeMesh layered;
   if (options.element_order == 2) {
     if (options.skin) layered = with_lips.tissue;
-    with_lips = predict::second_order_tissue(std::move(with_lips), domain, progress);
+    LEFORT_TRY(with_lips, predict::second_order_tissue(std::move(with_lips), domain, progress));
   }
   const std::vector<plan::ElevationZone> zones =
       plan::elevation_zones(face.cut, face.planned, boundary.elevation_margin_mm);
@@ -214,12 +221,23 @@ void note_boundary(const predict::TissueBoundary& boundary, const io::PlanFile& 
                     *mm, name_of(plan.boundary.scan_boundary)));
 }
 
-/// Faces by their corners.
-std::vector<mesh::Face> linear_faces(std::vector<mesh::Face> faces) {
-  for (mesh::Face& face : faces)
-    if (face.shape == mesh::FaceShape::kTri6)
-      face = {mesh::FaceShape::kTri3, {face.nodes[0], face.nodes[1], face.nodes[2]}};
-  return faces;
+/// The triangular boundary faces of a linear mesh with the corners of the given faces. Parts of a
+/// quadrilateral, which a second-order mesh has, are left out.
+std::vector<mesh::Face> linear_triangles(std::span<const mesh::Face> faces,
+                                         const mesh::VolumeMesh& linear) {
+  const auto corners_of = [](const mesh::Face& face) {
+    std::array<std::int32_t, 3> corners{face.nodes[0], face.nodes[1], face.nodes[2]};
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  };
+  std::set<std::array<std::int32_t, 3>> wanted;
+  for (const mesh::Face& face : faces)
+    if (mesh::corner_count(face.shape) == 3) wanted.insert(corners_of(face));
+  std::vector<mesh::Face> triangles;
+  for (const mesh::Face& face : mesh::boundary_faces(linear))
+    if (face.shape == mesh::FaceShape::kTri3 && wanted.contains(corners_of(face)))
+      triangles.push_back(face);
+  return triangles;
 }
 
 /// \param tissue   with its sets.
@@ -232,8 +250,9 @@ std::optional<mesh::LayerThickness> measure_skin_layer(const mesh::VolumeMesh& t
                                                        Progress& progress) {
   if (!options.skin) return std::nullopt;
   const mesh::LayerThickness layer = mesh::layer_thickness_statistics(
-      layered, predict::regions::kSkin, linear_faces(tissue.face_sets.at(predict::sets::kSkin)),
-      options.skin->layers, options.skin->thickness_mm);
+      layered, predict::regions::kSkin,
+      linear_triangles(tissue.face_sets.at(predict::sets::kSkin), layered), options.skin->layers,
+      options.skin->thickness_mm);
   progress.note(
       fmt::format("skin: {:.2f} mm thick on average, wedges under {:.1f} % of {:.0f} mm2; {} "
                   "elements, smallest scaled Jacobian {:.3f}",
