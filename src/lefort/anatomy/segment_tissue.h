@@ -18,7 +18,8 @@ struct SegmentationOptions {
 
   /// Smaller connected components of bone are islands and become soft tissue; >= 0.
   double min_bone_ml = 0.2;
-  /// Air entrances up to twice as wide, such as nostrils, belong to the patient; > 0, <= 50.
+  /// The air behind openings up to twice this wide, such as nostrils, belongs to the patient; > 0,
+  /// <= 50.
   double nostril_radius_mm = 5.0;
   /// A sinus whose ostium is up to twice as wide as this is not part of the airway; > 0.
   double ostium_radius_mm = 2.0;
@@ -33,9 +34,10 @@ struct SegmentationOptions {
 /// Bone: connected dense components, with the marrow they enclose. The mandible has its own label
 /// if it can be separated from the skull (find_mandible.h); only then does sharpen_bone() remove
 /// the blurred border of bone. Brain: the soft tissue from which rays hit bone in at least 85 % of
-/// 26 directions. A watershed extends this region to the narrowest cross-section of each opening of
-/// the skull, whether foramen or defect; the border there is smooth. A scan without a cranial
-/// cavity has no brain; this is not an error.
+/// those of 26 directions that do not leave the scan inside the patient (13 or more). A watershed
+/// extends this region to the narrowest cross-section of each opening of the skull, whether foramen
+/// or defect; the border there is smooth. A scan without a cranial cavity has no brain; this is not
+/// an error.
 ///
 /// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
 ///   become background unless they are fused with the head.

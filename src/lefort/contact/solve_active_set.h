@@ -32,7 +32,7 @@ using SolveFrom = std::function<fem::NewtonOutcome(const VectorX& start, int max
 /// \param contacts        at their poses.
 /// \param nodes_L         nodes in the reference configuration [mm].
 /// \param active          active set of each contact in the last equilibrium (active_set()).
-/// \param start           displacements of all nodes [mm], first argument of the first solve.
+/// \param start           displacements of all nodes [mm] from which the first solve starts.
 /// \param max_iterations  of the unilateral solve.
 /// \param solve           one Newton step or the unilateral solve.
 /// \returns the outcome with the history of all steps; at once if a step was cancelled or ran out

@@ -18,9 +18,9 @@ namespace lefort::contact {
 /// \returns the current positions of the nodes [mm].
 [[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Max number of multiplier updates in one increment. An update leaves about the fraction
-/// k / (k + k_p) of the depth, where k is the stiffness of the tissue and k_p that of the penalty:
-/// a tenth if k_p is ten times k.
+/// Max number of rounds (multiplier update, tangent planes, or both) in one increment. An update
+/// leaves about the fraction k / (k + 2 k_c) of the depth, where k is the stiffness of the tissue
+/// per area and k_c the penalty stiffness: a tenth if 2 k_c is nine times k.
 inline constexpr int kMaxMultiplierUpdates = 30;
 
 /// Algorithm:
@@ -36,12 +36,12 @@ inline constexpr int kMaxMultiplierUpdates = 30;
 /// 5. Solve again from the last equilibrium. If that fails or is rejected, roll back and return the
 ///    last equilibrium; else continue with step 2, at most kMaxMultiplierUpdates times.
 ///
-/// The depth is the penetration increase. The loop may end above the tolerance, where tissue is
-/// caught at an edge of a bone or between two bones. The returned state is an equilibrium all the
-/// same; ContactStatistics reports its depth.
+/// The depth is the penetration increase. The loop may end above the tolerance, for example if
+/// tissue is caught at an edge of a bone or between two bones. The returned state is an equilibrium
+/// all the same; ContactStatistics reports its depth.
 /// \param contacts  at their poses. If an equilibrium is returned, they are in its accepted state.
 /// \param nodes_L   nodes in the reference configuration [mm].
-/// \param start     displacements of all nodes [mm], first argument of the first solve.
+/// \param start     displacements of all nodes [mm] from which the first solve starts.
 /// \param solve     finds the equilibrium from a start.
 /// \returns
 ///   - the first outcome if it did not converge, or with kRejected if a contact rejects it;

@@ -4,9 +4,10 @@
 ///
 /// Columns of the factor with the same pattern below the diagonal form a supernode. A supernode is
 /// merged with its parent where this adds few zeros. Its front is a dense matrix over its own rows
-/// and the rows below them. The front is assembled from entries of A and from the update matrices
-/// of the children in the assembly tree; its own rows are eliminated, and what remains is its
-/// update matrix, which is added to the front of the parent (multifrontal method; \cite duff1983,
+/// and those rows below them in which its columns have entries. The front is assembled from entries
+/// of A and from the update matrices of the children in the assembly tree; its own rows are
+/// eliminated, and what remains is its update matrix, which is added to the front of the parent
+/// (multifrontal method; \cite duff1983,
 /// \cite liu1992).
 #pragma once
 
@@ -28,7 +29,8 @@ struct Supernode {
   std::int32_t parent = -1;    ///< -1 for a root.
   /// The subtree of supernode s consists of the supernodes first_descendant to s.
   std::int32_t first_descendant = 0;
-  std::int64_t panel = 0;        ///< Offset of its columns in the factor, in entries.
+  /// Offset of its panel (its columns of the factor) in the factor, in entries.
+  std::int64_t panel = 0;
   std::int64_t rows_offset = 0;  ///< Offset of its rows in a vector over the rows of all fronts.
   double work = 0.0;             ///< Multiplications to eliminate its subtree.
 
@@ -63,7 +65,9 @@ struct CholeskyPlan {
   std::vector<std::int64_t> entry_start;
   std::int64_t factor_entries = 0;  ///< Size of the factor, with padding.
   std::int64_t front_rows = 0;      ///< Rows of all fronts.
-  std::int64_t peak_update = 0;     ///< Max entries of update matrices at a time, one thread.
+  /// Max total entries of the update matrices that exist at the same time, if one thread
+  /// factorizes.
+  std::int64_t peak_update = 0;
 
   [[nodiscard]] std::span<const std::int32_t> roots() const {
     return part(children, child_start, std::int32_t(supernodes.size()));

@@ -14,7 +14,7 @@ namespace lefort::mesh {
 /// Makes a box from the origin to `size_mm`, of region 0. Each cell is divided into elements:
 ///
 ///     hex8, hex20       one
-///     wedge6, wedge15   two, upright, by the plane through the diagonal 0-2
+///     wedge6, wedge15   two with axes along z, divided by the plane through corners 0, 2, 6 and 4
 ///     pyramid5          six, from the faces to a node at the center
 ///     tet4, tet10       six around the diagonal 0-6 (Kuhn)
 ///

@@ -26,17 +26,19 @@ struct CurvedMesh {
   Index curved = 0;        ///< Edges whose mid-edge node is on the surface.
   Index limited = 0;       ///< Edges that det J limits to half or a quarter of the way, or to none.
   double max_mm = 0.0;     ///< Largest displacement of a mid-edge node.
-  double min_ratio = 1.0;  ///< Min of det J over that with straight edges, see kMinJacobianRatio.
+  double min_ratio = 1.0;  ///< Min of (det J / det J with straight edges), see kMinJacobianRatio.
 };
 
-/// Smallest admissible det J of a curved element at its nodes and quadrature points, divided by
-/// that of the element with straight edges.
+/// Smallest admissible det J (J: derivative of the position by the reference coordinates) of a
+/// curved element at its nodes and quadrature points, divided by that of the element with straight
+/// edges.
 inline constexpr double kMinJacobianRatio = 0.2;
 
 /// Moves each mid-edge node of the boundary along the boundary normal to where `is_inside_L`
-/// changes, by a quarter of the length of its edge at most. Where det J of an element would be less
-/// than kMinJacobianRatio times its value with straight edges, the mid-edge nodes of the element
-/// move half of the way, a quarter of it, or not at all (\cite luo2004 for the criterion).
+/// changes. A node does not move if that is further away than a quarter of the length of its edge.
+/// Where det J of an element would be less than kMinJacobianRatio times its value with straight
+/// edges, the mid-edge nodes of the element move half of the way, a quarter of it, or not at all
+/// (\cite luo2004 for the criterion).
 ///
 /// \param quadratic  one block of tet10 with straight edges and positive volumes.
 /// \param surface    its functions are called by one thread.

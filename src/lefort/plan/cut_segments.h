@@ -27,9 +27,9 @@ struct PlannedSegment {
   /// autorotation, and for cases given as surfaces whose osteotomy lines are not known.
   bool is_whole_mandible = false;
   /// The segment is the whole piece of bone on which this point lies, without a cut: for example a
-  /// proximal segment, which the split of the distal segment left over. Pieces smaller than
-  /// cut.min_piece_ml are not considered. As for the whole mandible, only the name of the osteotomy
-  /// is used.
+  /// proximal segment, which remains as a piece of its own after the sagittal split. Pieces smaller
+  /// than cut.min_piece_ml are not considered. As for the whole mandible, only the name of the
+  /// osteotomy is used.
   std::optional<Vec3> piece_at_L{};
 };
 
@@ -42,8 +42,8 @@ struct CutSegments {
   std::vector<geometry::TriangleMesh> segments_L;  ///< In the order of the plan.
   geometry::TriangleMesh remainder_L;
   std::vector<OsteotomyResult> cuts;  ///< The result of each cut, without surfaces.
-  double skull_volume_mm3 = 0.0;
-  std::vector<double> volumes_mm3;  ///< Of the segments, after all cuts.
+  double skull_volume_mm3 = 0.0;      ///< Before all cuts; with the mandible, if it was given.
+  std::vector<double> volumes_mm3;    ///< Of the segments, after all cuts.
   double remainder_volume_mm3 = 0.0;
   double kerf_volume_mm3 = 0.0;  ///< Of all cuts.
 };
@@ -54,8 +54,9 @@ struct CutSegments {
 /// \param skull_L   closed; several bodies and cavities are allowed.
 /// \param planned   the segments.
 /// \param progress  of each cut; may request a stop.
-/// \returns the parts; or the errors of perform_osteotomy(); or kPlanInvalid if two segments have
-///   the same name, or `cut_from` does not name an earlier segment.
+/// \returns the parts; or the errors of perform_osteotomy(); or kAnatomyMissing if a segment is the
+///   whole mandible; or kPlanInvalid if two segments have the same name, or `cut_from` does not
+///   name an earlier segment.
 /// \note Volumes add up within the tolerance of perform_osteotomy().
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                std::span<const PlannedSegment> planned,
@@ -67,7 +68,8 @@ struct CutSegments {
 /// \param mandible_L  closed; null if the mandible is part of `skull_L`.
 /// \returns as above; also kAnatomyMissing if a segment is the whole mandible and `mandible_L` is
 ///   null or taken by an earlier segment; and kCutMissesBone if no piece lies within 5 mm of
-///   `piece_at_L`, or only one piece is left.
+///   `piece_at_L`, if there is only one piece, so that nothing would remain, or if the piece is
+///   larger than all other bone.
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                const geometry::TriangleMesh* mandible_L,
                                                std::span<const PlannedSegment> planned,

@@ -15,12 +15,13 @@
 namespace lefort::predict {
 
 namespace sets {
-/// Nodes and faces where the lips touch at rest; missing if they are not separated.
+/// Nodes and faces where the lips touch in the reference configuration; these sets are missing if
+/// the lips are not separated.
 inline constexpr const char* kUpperLip = "upper_lip";
 inline constexpr const char* kLowerLip = "lower_lip";
 }  // namespace sets
 
-/// Two nodes of the lips at the same position at rest.
+/// Two nodes of the lips at the same position in the reference configuration.
 struct LipPair {
   std::int32_t upper = 0, lower = 0;
   double area_mm2 = 0.0;          ///< > 0.
@@ -31,9 +32,10 @@ struct LipPair {
 struct LipSlit {
   std::string reason;                  ///< Empty if the lips are separated.
   std::optional<OralFissure> fissure;  ///< If one was found.
-  std::vector<LipPair> pairs;          ///< Ascending; empty if the lips are not separated.
-  double area_mm2 = 0.0;               ///< Of one lip.
-  double rms_distance_mm = 0.0;        ///< Of the mesh from the surface of the fissure.
+  std::vector<LipPair> pairs;  ///< Ascending by `upper`; empty if the lips are not separated.
+  double area_mm2 = 0.0;       ///< Of one lip.
+  /// Of the nodes of the slit from the surface in which the lips touch.
+  double rms_distance_mm = 0.0;
 
   [[nodiscard]] bool is_separated() const { return !pairs.empty(); }
 };
@@ -44,7 +46,8 @@ struct TissueWithLips {
   LipSlit lips;
 };
 
-/// Opens a slit in the surface of the fissure (mesh/open_slit.h). Elements keep their numbers.
+/// Opens a slit along the surface in which the lips touch (mesh/open_slit.h). Elements keep their
+/// numbers.
 ///
 /// \param tissue  mesh of the domain, without sets.
 /// \param domain  boundary nodes that move stay on the zero surface of its level.

@@ -1,6 +1,7 @@
 /// \file
-/// The cases, one .cpp each. Each function returns the section of its case, whose checks may have
-/// failed; `progress` may stop it.
+/// The cases. Punch and ironing are in rigid_contact.cpp, each other case has a .cpp of its own.
+/// Each function returns the section of its case, whose checks may have failed; `progress` may stop
+/// it.
 #pragma once
 
 #include <lefort/verify/run_suite.h>

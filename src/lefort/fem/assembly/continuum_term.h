@@ -1,5 +1,5 @@
 /// \file
-/// Strain energy of elements of one shape with full integration (element_term.h).
+/// Strain energy of elements of one shape at their quadrature points (volumetric_integration.h).
 #pragma once
 
 #include <lefort/fem/assembly/element_energy.h>
@@ -10,7 +10,8 @@
 namespace lefort::fem {
 
 /// W = sum over elements and points of c Psi(F) dV. For decoupled laws c < 1 if a
-/// SmoothedStrainTerm has the rest of the energy of the elements; otherwise c = 1.
+/// SmoothedStrainTerm has the fraction 1 - c; otherwise c = 1. Psi lacks the volumetric part that
+/// AveragedNodalPressure has.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:

@@ -15,8 +15,8 @@
 
 namespace lefort::fem {
 
-/// Rational shape functions (\cite bedrosian1992). With a = xi / (1 - zeta) and
-/// b = eta / (1 - zeta): N_i = (1 - zeta) (1 + xi_i a) (1 + eta_i b) / 4 for the base, N_4 = zeta.
+/// Rational shape functions (\cite bedrosian1992). With a = xi / (1 - zeta) and b = eta / (1 -
+/// zeta): N_i = (1 - zeta) (1 + xi_i a) (1 + eta_i b) / 4 for the base, N_4 = zeta.
 ///
 /// They are bilinear on the base and linear on the triangles, so that faces match those of
 /// hexahedra, wedges and tetrahedra. As functions of position they equal those of a hexahedron
@@ -58,8 +58,9 @@ struct Pyramid5 {
     return dN;
   }
 
-  /// 2 x 2 rays, each with one point at the height of the centroid: exact along the rays for any
-  /// law and shape, for the stiffness of affine images, and for the volume of any element.
+  /// 2 x 2 rays, each with one point at the height of the centroid: exact along each ray for any
+  /// law and shape. Over the element they are exact for the stiffness of affine elements, and for
+  /// the volume of any element.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     constexpr double kHeight = 0.25;
     Rule<3, kPoints> rule;

@@ -37,7 +37,7 @@ struct Tri3 {
     return dN;
   }
 
-  /// Exact for quadratic functions: a traction that is linear over the face.
+  /// Exact for quadratic functions, such as a linear traction times a shape function.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes, 2>, kPoints> quadrature() {
     return at_points<Tri3>(triangle_3());
   }

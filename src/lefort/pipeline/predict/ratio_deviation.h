@@ -13,8 +13,9 @@ namespace lefort::pipeline {
 
 /// One ratio with two interfaces of tissue and bone, on the coarse mesh of InterfaceSensitivity.
 struct RatioByInterface {
-  double attached = 0.0;  ///< With `bonded`; if that fails, with `clinical`.
-  double contact = 0.0;   ///< With `contact`.
+  /// With InterfaceSensitivity::attached: `bonded`, or `clinical` if that fails.
+  double attached = 0.0;
+  double contact = 0.0;  ///< With `contact`.
 };
 
 /// A ratio with what may explain a deviation from its range.
@@ -27,15 +28,16 @@ struct ExplainedRatio {
 };
 
 /// Conditions at the scan boundary affect the skin up to a distance of about twice the thickness of
-/// the soft tissue (Saint-Venant); lips and chin are 12 to 15 mm thick (\cite arnett1999).
+/// the soft tissue (Saint-Venant's principle); lips and chin are 12 to 15 mm thick (\cite
+/// arnett1999).
 inline constexpr double kNearScanBoundary_mm = 25.0;
 
 /// \param ratios    of the prediction.
 /// \param attached  with the interface InterfaceSensitivity::attached, for the same segments and
 ///   landmarks; or empty.
 /// \param contact   with the interface `contact`; or empty.
-/// \returns `ratios` in their order. A ratio that `attached` or `contact` lacks has no
-///   `by_interface`.
+/// \returns `ratios` in their order. `by_interface` is set only if both `attached` and `contact`
+///   contain the same ratio.
 [[nodiscard]] std::vector<ExplainedRatio> with_interfaces(
     std::span<const compare::SoftTissueRatio> ratios,
     std::span<const compare::SoftTissueRatio> attached,
@@ -55,7 +57,8 @@ void measure_scan_boundary(std::vector<ExplainedRatio>& ratios,
 
 /// \returns sentences, one for each possible reason: the interface, the end of the scan, parts of
 ///   the face that the model lacks, a published mean without its spread, an axis that is not the
-///   main one of the movement. Empty if the ratio does not deviate; otherwise one or more.
+///   main one of the movement. Empty if the ratio does not deviate; otherwise one or more, or "No
+///   reason was found."
 [[nodiscard]] std::vector<std::string> deviation_reasons(const ExplainedRatio& explained);
 
 }  // namespace lefort::pipeline

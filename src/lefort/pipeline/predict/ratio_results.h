@@ -15,8 +15,8 @@ namespace lefort::pipeline {
 /// \returns `soft_tissue_ratios` of contract/prediction.schema.json.
 [[nodiscard]] nlohmann::ordered_json ratios_json(std::span<const ExplainedRatio> ratios);
 
-/// \returns the ratios beside published ranges, reasons of deviations, and the sources;
-///   no table without ratios.
+/// \returns up to three tables: the ratios beside published ranges; if any deviate, the reasons; if
+///   any have a published range, its sources. Empty if `ratios` is empty.
 [[nodiscard]] std::vector<report::ReportTable> ratio_tables(std::span<const ExplainedRatio> ratios);
 
 }  // namespace lefort::pipeline

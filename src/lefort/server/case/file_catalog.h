@@ -1,6 +1,6 @@
 /// \file
-/// The files and surfaces of a case that a page can request by name. Text from a client never
-/// becomes a path.
+/// The files and surfaces of a case that a page can request by name. Of the text from a client,
+/// only a valid segment name (is_segment_name()) becomes part of a path.
 #pragma once
 
 #include <lefort/server/case/case_folder.h>
@@ -15,7 +15,7 @@ namespace lefort::server {
 /// A file that a page can request.
 struct NamedFile {
   std::string_view name;
-  const char* stage;  ///< One of kStages: the stage that writes it.
+  const char* stage;  ///< One of kStages: the stage that writes it; see also fresh_tissue_stage().
   std::filesystem::path (*path)(const CaseFolder&);
 };
 
@@ -25,7 +25,8 @@ struct NamedFile {
 /// Surface with condition and rule of the interface map at each vertex.
 inline constexpr std::string_view kInterfaceSurface = "interface";
 
-/// The stage whose tissue mesh is that of the present plan: "preview", else "prediction".
+/// The stage whose tissue mesh is that of the present plan: "preview" if that is fresh, else
+/// "prediction" if that is fresh, else nothing.
 [[nodiscard]] std::optional<std::string_view> fresh_tissue_stage(const CaseFolder& folder);
 
 /// Surfaces for display.
