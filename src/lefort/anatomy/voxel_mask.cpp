@@ -2,8 +2,10 @@
 
 #include <itkConnectedComponentImageFilter.h>
 #include <itkImage.h>
+#include <itkPlatformMultiThreader.h>
 
 #include <algorithm>
+#include <new>
 
 namespace lefort::anatomy {
 namespace {
@@ -97,7 +99,13 @@ Components connected_components(const Mask& mask, Neighbors neighbors) {
   const auto filter = Filter::New();
   filter->SetInput(itk_view(mask));
   filter->SetFullyConnected(neighbors == Neighbors::kFacesEdgesCorners);
-  filter->Update();
+  // The default threader of ITK 5.2 does not wait for other threads after an exception in one.
+  filter->SetMultiThreader(itk::PlatformMultiThreader::New());
+  try {
+    filter->Update();
+  } catch (const itk::ExceptionObject&) {  // There is no other cause.
+    throw std::bad_alloc();
+  }
 
   Components parts{volume_from_itk<std::int32_t>(*filter->GetOutput(), mask.grid), {0}};
   // The numbers of ITK are in no guaranteed order; renumber by first voxels.

@@ -6,11 +6,14 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <exception>
+#include <new>
 
 namespace lefort::app {
+namespace {
 
-int run_program(int argc, char** argv) {
+int run_command(int argc, char** argv) {
   CLI::App cli{
       fmt::format(
           "lefort {}: from a head CT and a plan of bone movements to the predicted face.\n{}",
@@ -48,11 +51,21 @@ int run_program(int argc, char** argv) {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return cli.exit(error) == 0 ? kExitDone : kExitUsage;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "lefort: {}\n", printable(error.what()));
-    return kExitFailed;
   }
   return context.exit_code;
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+  try {
+    return run_command(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("lefort: there is not enough memory\n", stderr);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lefort: {}\n", printable(error.what()));
+  }
+  return kExitFailed;
 }
 
 }  // namespace lefort::app

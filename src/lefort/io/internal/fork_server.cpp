@@ -196,7 +196,11 @@ class ForkServer {
     if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair.data()) != 0) return;
     Descriptor ours(pair[0]), its(pair[1]);
     const pid_t server = ::fork();
-    if (server == 0) be_fork_server(its.number());
+    if (server == 0) try {
+        be_fork_server(its.number());
+      } catch (const std::exception&) {
+        ::_exit(0);  // The program finds its socket closed.
+      }
     if (server < 0) return;
     process_ = server;
     socket_ = std::move(ours);
