@@ -3,16 +3,15 @@
 #include <lefort/io/internal/raw_volume.h>
 #include <lefort/io/internal/silence_libraries.h>
 #include <lefort/io/internal/volume_header.h>
+#include <lefort/io/internal/write_nrrd.h>
 #include <lefort/io/write_atomically.h>
 
 // ITK contains an older Eigen, which conflicts with the system's unless that is included first.
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <itkImageIOBase.h>
-#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
 
 #include <algorithm>
 #include <array>
@@ -62,13 +61,11 @@ const Ending& volume_ending(const fs::path& file) {
 /// Created without ITK's factories, whose static registration objects are lost in a static library.
 itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
   switch (format) {
-    case VolumeFormat::kNrrd:
-      return itk::NrrdImageIO::New().GetPointer();
     case VolumeFormat::kNifti:
       return itk::NiftiImageIO::New().GetPointer();
     case VolumeFormat::kMetaImage:
       return itk::MetaImageIO::New().GetPointer();
-    case VolumeFormat::kNone:
+    default:
       break;
   }
   LEFORT_CHECK(!"unknown format");
@@ -139,6 +136,40 @@ Result<RawVolume> read_raw_volume(const fs::path& file, Progress& progress) {
   return raw;
 }
 
+namespace {
+
+Error disk_error(const fs::path& target) {
+  return {ErrorCode::kFileUnwritable,
+          fmt::format("{} cannot be written: the disk is full or failing", target.string())};
+}
+
+/// Writes NIfTI and MetaImage.
+void write_by_itk(const fs::path& file, VolumeFormat format, const RawVolumeView& volume) {
+  const SilenceLibraries silence;
+  const itk::ImageIOBase::Pointer io = make_image_io(format);
+  io->SetFileName(file.string());
+  io->SetNumberOfDimensions(3);
+  itk::ImageIORegion all(3);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto size = static_cast<itk::SizeValueType>(volume.grid.size[axis]);
+    const Vec3 column = volume.grid.direction.col(axis);
+    io->SetDimensions(axis, size);
+    io->SetSpacing(axis, volume.grid.spacing_mm[axis]);
+    io->SetOrigin(axis, volume.grid.origin_L[axis]);
+    io->SetDirection(axis, std::vector<double>(column.begin(), column.end()));
+    all.SetIndex(axis, 0);
+    all.SetSize(axis, size);
+  }
+  io->SetPixelType(itk::CommonEnums::IOPixel::SCALAR);
+  io->SetNumberOfComponents(1);
+  io->SetComponentType(component_type(volume.type));
+  io->SetIORegion(all);
+  io->SetUseCompression(true);
+  io->Write(volume.values);
+}
+
+}  // namespace
+
 Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volume) {
   const Ending& ending = volume_ending(target);
   if (!ending.one_file)
@@ -149,34 +180,13 @@ Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volum
     return fail(ErrorCode::kInvalidArgument, good.error().message);
 
   return write_atomically(target, [&](const fs::path& temporary) -> Result<void> {
-    const SilenceLibraries silence;
-    const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
-    io->SetFileName(temporary.string());
-    io->SetNumberOfDimensions(3);
-    itk::ImageIORegion all(3);
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      const auto size = static_cast<itk::SizeValueType>(volume.grid.size[axis]);
-      const Vec3 column = volume.grid.direction.col(axis);
-      io->SetDimensions(axis, size);
-      io->SetSpacing(axis, volume.grid.spacing_mm[axis]);
-      io->SetOrigin(axis, volume.grid.origin_L[axis]);
-      io->SetDirection(axis, std::vector<double>(column.begin(), column.end()));
-      all.SetIndex(axis, 0);
-      all.SetSize(axis, size);
+    if (ending.format == VolumeFormat::kNrrd) {
+      if (!write_nrrd(temporary, volume)) return tl::unexpected(disk_error(target));
+      return {};
     }
-    io->SetPixelType(itk::CommonEnums::IOPixel::SCALAR);
-    io->SetNumberOfComponents(1);
-    io->SetComponentType(component_type(volume.type));
-    io->SetIORegion(all);
-    io->SetUseCompression(true);
-    for (const auto& [key, text] : volume.fields)
-      itk::EncapsulateMetaData<std::string>(io->GetMetaDataDictionary(), key, text);
-    io->Write(volume.values);
+    write_by_itk(temporary, ending.format, volume);
     // ITK's writers do not report a full disk, so the file is read back.
-    if (!read_raw_volume(temporary))
-      return fail(
-          ErrorCode::kFileUnwritable,
-          fmt::format("{} cannot be written: the disk is full or failing", target.string()));
+    if (!read_raw_volume(temporary)) return tl::unexpected(disk_error(target));
     return {};
   });
 }
