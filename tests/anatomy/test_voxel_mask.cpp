@@ -45,6 +45,20 @@ TEST(DistanceTo, EqualsBruteForce) {
   }
 }
 
+TEST(DistanceTo, IsTheSameUpToALimit) {
+  const Mask mask = random_mask(grid_of(21, 19, 23), 0.01, 11);
+  const image::ScalarVolume all = distance_to(mask);
+  for (const double max_mm : {0.0, 0.7, 2.0, 4.5}) {
+    const image::ScalarVolume limited = distance_to(mask, max_mm);
+    for (std::size_t v = 0; v < all.values.size(); ++v) {
+      if (double(all.values[v]) <= max_mm)
+        EXPECT_EQ(limited.values[v], all.values[v]) << max_mm << " mm, voxel " << v;
+      else
+        EXPECT_GE(limited.values[v], all.values[v]) << max_mm << " mm, voxel " << v;
+    }
+  }
+}
+
 TEST(DistanceTo, OfAnEmptySetIsFar) {
   const Mask nothing = random_mask(grid_of(4, 3, 2), 0.0, 1);
   for (const float distance : distance_to(nothing).values) EXPECT_EQ(distance, 1e6F);

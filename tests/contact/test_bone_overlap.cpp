@@ -62,6 +62,21 @@ TEST(BoneOverlap, OfTwoBallsIsALens) {
   }
 }
 
+TEST(BoneOverlap, IsTheSameForTurnedBones) {
+  const Bone long_bone(test::make_box({-8, -1, -1}, {8, 1, 1}));
+  RigidTransform X = RigidTransform::Identity();
+  X.rotate(Eigen::AngleAxisd(0.9, Vec3(1.0, 2.0, -1.0).normalized()));
+  X.pretranslate(Vec3(20.0, -5.0, 3.0));
+  SolidBone turned = long_bone.at(Vec3(9.0, 0.0, 0.0)), turned_ball = ball().at(Vec3::Zero());
+  const BoneOverlap before = measure_overlap(turned, turned_ball, 0.3);
+  turned.obstacle.X_LB = X * turned.obstacle.X_LB;
+  turned_ball.obstacle.X_LB = X * turned_ball.obstacle.X_LB;
+  const BoneOverlap after = measure_overlap(turned, turned_ball, 0.3);
+  EXPECT_GT(before.deepest_mm, 1.0);
+  EXPECT_NEAR(after.deepest_mm, before.deepest_mm, 1e-6);
+  EXPECT_NEAR(after.volume_mm3, before.volume_mm3, 0.05 * before.volume_mm3);
+}
+
 TEST(BoneOverlap, SeparateAndTouchingBonesDoNotOverlap) {
   for (const double apart_mm : {20.0, 12.5, 12.0, 11.95}) {
     const BoneOverlap found =

@@ -117,6 +117,44 @@ TEST(RenderSurfaces, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one, render_with(5));
 }
 
+TEST(RenderSurfaces, LightOfEarlierPicturesDoesNotChangeAPicture) {
+  const TriangleMesh ball = sphere(Vec3(3.0, 0.0, 1.0), 30.0, 40);
+  const TriangleMesh other = sphere(Vec3(-20.0, -20.0, 1.0), 15.0, 30);
+  const std::vector<SurfaceLayer> layers{{.mesh_L = &ball}, {.mesh_L = &other}};
+  const SurfaceScene scene = SurfaceScene::build(layers, Progress::none()).value();
+  const View side{.direction_L = {1.0, 0.2, 0.0}, .height_mm = 100.0};
+  const Picture first = scene.render(side, kSmall, Progress::none()).value();
+  EXPECT_EQ(scene.render(kFrontView, kSmall, Progress::none()).value(), render(layers));
+  EXPECT_EQ(scene.render(side, kSmall, Progress::none()).value(), first);
+}
+
+TEST(RenderSurfaces, RecoloredSceneEqualsASceneBuiltWithThatColor) {
+  const TriangleMesh ball = sphere(Vec3(3.0, 0.0, 1.0), 30.0, 40);
+  const SurfaceLayer plain{.mesh_L = &ball};
+  SurfaceLayer colored{.mesh_L = &ball};
+  for (const Vec3& vertex_L : ball.vertices) colored.scalars.push_back(vertex_L.z());
+  colored.scale = {ColorMap::kDiverging, -30.0, 30.0};
+  const SurfaceScene scene = SurfaceScene::build({&plain, 1}, Progress::none()).value();
+  const SurfaceScene recolored = scene.recolored(0, colored.scalars, colored.scale).value();
+  EXPECT_EQ(recolored.render(kFrontView, kSmall, Progress::none()).value(), render({colored}));
+  EXPECT_EQ(scene.render(kFrontView, kSmall, Progress::none()).value(), render({plain}));
+  EXPECT_EQ(scene.recolored(0, {1.0, 2.0}, colored.scale).error().code,
+            ErrorCode::kInvalidArgument);
+}
+
+TEST(RenderSurfaces, NeighboringTrianglesLeaveNoGap) {
+  const TriangleMesh square = square_facing_front(30.0, 0.0);
+  for (const double turn : {0.0, 0.1, 0.37, 0.785}) {
+    View view = kFrontView;
+    view.up_L = Vec3(std::sin(turn), 0.0, std::cos(turn));
+    const Picture picture = render({{&square}}, view, {200, 200, 3});
+    const int middle = brightness(picture, 100, 100);
+    for (int row = 70; row < 130; ++row)
+      for (int column = 70; column < 130; ++column)
+        EXPECT_NEAR(brightness(picture, column, row), middle, 20) << column << " " << row;
+  }
+}
+
 TEST(RenderSurfaces, CavityIsDarkerThanAnOpenPlane) {
   const TriangleMesh plane = square_facing_front(30.0, 0.0);
   TriangleMesh pit = plane;  // The same square at the bottom of four walls.

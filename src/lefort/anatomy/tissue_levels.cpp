@@ -114,11 +114,12 @@ ScalarVolume volume_of(const image::Grid& grid, const Value& value) {
 
 /// Distance to the border of a set, positive inside.
 ScalarVolume signed_distance(const Mask& mask) {
-  const ScalarVolume outside = distance_to(mask);
-  const ScalarVolume inside =
-      distance_to(mask_where(mask.grid, [&](std::size_t v) { return mask.values[v] == 0; }));
   // Distances are measured from voxel centers; subtracting half a voxel makes them continuous.
   const double half_mm = 0.5 * mask.grid.spacing_mm.minCoeff();
+  const double max_mm = kLabelClamp_mm + half_mm;  // Larger distances are clamped.
+  const ScalarVolume outside = distance_to(mask, max_mm);
+  const ScalarVolume inside = distance_to(
+      mask_where(mask.grid, [&](std::size_t v) { return mask.values[v] == 0; }), max_mm);
   return volume_of(mask.grid, [&](std::size_t v) {
     return clamped(mask.values[v] != 0 ? double(inside.values[v]) - half_mm
                                        : half_mm - double(outside.values[v]),
@@ -145,7 +146,7 @@ void cut_to_scan(ScalarVolume& level) {
 /// The mandible encloses nothing: a joint space is not filled.
 Mask sinus_filling(const PaddedScan& scan) {
   const Mask sinus = scan.where(Tissue::kSinus);
-  const ScalarVolume to_sinus = distance_to(sinus);
+  const ScalarVolume to_sinus = distance_to(sinus, kLining_mm);
   const Mask solid = mask_where(scan.grid(), [&](std::size_t v) {
     const Tissue tissue = scan.labels.values[v];
     const bool lining = is_soft_tissue(tissue) && double(to_sinus.values[v]) <= kLining_mm;
@@ -316,7 +317,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   const Mask inside = mask_where(grid, [&](std::size_t v) { return level.values[v] > 0.0F; });
   const double radius_mm = 0.5 * (options.thinnest_tissue_mm + grid.spacing_mm.minCoeff());
   const Mask thick = opened(inside, radius_mm);
-  const ScalarVolume to_background = distance_to(scan.where(Tissue::kBackground));
+  const ScalarVolume to_background = distance_to(scan.where(Tissue::kBackground), kSkinLayer_mm);
   const Components parts =
       connected_components(mask_where(grid,
                                       [&](std::size_t v) {

@@ -51,13 +51,13 @@ Index voxel_count(const Mask& mask) {
 double voxel_ml(const image::Grid& grid) { return grid.spacing_mm.prod() * 1e-3; }
 
 Mask dilated(const Mask& mask, double radius_mm) {
-  const image::ScalarVolume distance = distance_to(mask);
+  const image::ScalarVolume distance = distance_to(mask, radius_mm);
   return mask_where(mask.grid,
                     [&](std::size_t v) { return double(distance.values[v]) <= radius_mm; });
 }
 
 Mask eroded(const Mask& mask, double radius_mm) {
-  const image::ScalarVolume distance = distance_to(complement(mask));
+  const image::ScalarVolume distance = distance_to(complement(mask), radius_mm);
   return mask_where(mask.grid,
                     [&](std::size_t v) { return double(distance.values[v]) > radius_mm; });
 }
@@ -71,7 +71,7 @@ Mask closed(const Mask& mask, double radius_mm) {
 }
 
 Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm) {
-  const image::ScalarVolume distance = distance_to(mask);
+  const image::ScalarVolume distance = distance_to(mask, distance_mm);
   const std::array<Index, 3>& size = mask.grid.size;
   Mask near{mask.grid, std::vector<std::uint8_t>(mask.values.size())};
   parallel_for(size[2], [&](Index k) {

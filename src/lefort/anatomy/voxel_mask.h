@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace lefort::anatomy {
@@ -55,9 +56,12 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 /// Volume of one voxel.
 [[nodiscard]] double voxel_ml(const image::Grid& grid);
 
-/// Distance of each voxel to the closest voxel of the set [mm]; 0 in the set, 1e6 everywhere if it
-/// is empty.
-[[nodiscard]] image::ScalarVolume distance_to(const Mask& mask);
+/// \param mask    a set.
+/// \param max_mm  largest distance that is needed, >= 0; a small one is faster.
+/// \returns the distance of each voxel to the closest voxel of the set [mm], 0 in the set. Those
+///   above max_mm may be too large, but not too small; 1e6 everywhere if the set is empty.
+[[nodiscard]] image::ScalarVolume distance_to(
+    const Mask& mask, double max_mm = std::numeric_limits<double>::infinity());
 
 /// All voxels within `radius_mm` of the set.
 ///

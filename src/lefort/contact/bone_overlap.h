@@ -42,7 +42,8 @@ inline constexpr double kTouching_mm = 0.1;
 /// \param moved            first bone; \pre its surface is not null.
 /// \param stationary       second bone; \pre its surface is not null.
 /// \param edge_spacing_mm  max distance between the samples of an edge, > 0.
-/// \note Cost: one query per vertex, per sample of an edge, and two per lattice point.
+/// \note Cost: one query per vertex and per sample of an edge in the bounding box of the other bone
+///   if that is closed, and two per lattice point.
 [[nodiscard]] BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
                                           double edge_spacing_mm);
 

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/report/internal/exposure.h>
 #include <lefort/report/internal/ray_scene.h>
 #include <lefort/report/internal/three_point_lighting.h>
 #include <lefort/report/internal/vertex_light.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -19,20 +21,21 @@ namespace {
 constexpr double kMaxCoordinate = 1e6;    ///< [mm] Limit of sufficient single precision.
 constexpr double kAmbientDistance = 0.2;  ///< Range of ambient occlusion over the scene's diagonal.
 
-/// A layer with all data that do not depend on the view.
+constexpr int kBands = 8;  ///< Bands per check for a stop request and thread.
+
+/// A layer with the data that do not depend on colors, and the light of all pictures so far.
 struct PreparedLayer {
   geometry::TriangleMesh mesh_L;
-  SurfaceLayer style;  ///< Its mesh_L is not used.
   std::vector<Vec3> normals_L;
-  std::vector<float> sky;
-  RayScene surface;    ///< This layer only.
   RayScene obstacles;  ///< What casts shadows on it: the opaque layers and itself.
-};
+  VertexFractions sky;
+  std::vector<std::pair<Vec3, VertexFractions>> lamps;  ///< For each direction of the key light.
 
-/// The intersection of a ray with one layer.
-struct LayerHit {
-  RayHit hit;
-  std::size_t layer;
+  [[nodiscard]] VertexFractions& lamp(const Vec3& direction_L) {
+    for (auto& [known_L, fractions] : lamps)
+      if (known_L == direction_L) return fractions;
+    return lamps.emplace_back(direction_L, VertexFractions(mesh_L.vertices.size())).second;
+  }
 };
 
 Result<void> check_layer(const SurfaceLayer& layer, std::size_t number) {
@@ -63,155 +66,61 @@ Result<void> check_layer(const SurfaceLayer& layer, std::size_t number) {
   return {};
 }
 
-/// Barycentric interpolation of vertex values at a hit.
-template <class Value>
-Value interpolate(const std::vector<Value>& values, const geometry::Triangle& corners,
-                  const RayHit& hit) {
-  using Weight = std::conditional_t<std::is_same_v<Value, float>, float, double>;
-  return Weight(1.0 - hit.u - hit.v) * values[std::size_t(corners[0])] +
-         Weight(hit.u) * values[std::size_t(corners[1])] +
-         Weight(hit.v) * values[std::size_t(corners[2])];
-}
-
-/// Shades `layer` at `hit`; `lamp` is the visible fraction of the key light per vertex.
-Light light_at(const PreparedLayer& layer, const std::vector<float>& lamp, const RayHit& hit,
-               const ViewAxes& camera) {
-  const geometry::Triangle& corners = layer.mesh_L.triangles[hit.triangle];
-  SurfacePoint point;
-  point.back = hit.normal_L.dot(camera.towards_L) < 0.0;
-  Vec3 normal_L = interpolate(layer.normals_L, corners, hit);
-  if (normal_L.squaredNorm() < 1e-6) normal_L = hit.normal_L;
-  point.normal_L = normal_L.normalized() * (point.back ? -1.0 : 1.0);
-  point.sky = double(interpolate(layer.sky, corners, hit));
-  point.lamp = double(interpolate(lamp, corners, hit));
-  const SurfaceLayer& style = layer.style;
-  point.albedo =
-      light_of(style.scalars.empty() ? style.color
-                                     : style.scale.color(interpolate(style.scalars, corners, hit)));
-  return shade(point, camera);
-}
-
 }  // namespace
 
-struct SurfaceScene::Prepared {
+struct SurfaceScene::Geometry {
   std::vector<PreparedLayer> layers;
-  Box3 box_L;
+  double ambient_distance_mm = 0.0;
+  std::mutex light;
 };
 
-SurfaceScene::SurfaceScene(std::unique_ptr<const Prepared> prepared)
-    : prepared_(std::move(prepared)) {}
+SurfaceScene::SurfaceScene(std::shared_ptr<Geometry> geometry, std::vector<SurfaceLayer> styles)
+    : geometry_(std::move(geometry)), styles_(std::move(styles)) {}
 SurfaceScene::SurfaceScene(SurfaceScene&&) noexcept = default;
 SurfaceScene& SurfaceScene::operator=(SurfaceScene&&) noexcept = default;
 SurfaceScene::~SurfaceScene() = default;
 
 Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, Progress& progress) {
-  auto prepared = std::make_unique<Prepared>();
+  auto geometry = std::make_shared<Geometry>();
+  Box3 box_L;
+  std::vector<const geometry::TriangleMesh*> opaque;
   for (std::size_t n = 0; n < layers.size(); ++n) {
     LEFORT_TRY_VOID(check_layer(layers[n], n));
-    for (const Vec3& vertex_L : layers[n].mesh_L->vertices) prepared->box_L.extend(vertex_L);
+    for (const Vec3& vertex_L : layers[n].mesh_L->vertices) box_L.extend(vertex_L);
+    if (layers[n].opacity == 1.0) opaque.push_back(layers[n].mesh_L);
   }
-  const double max_distance_mm =
-      prepared->box_L.isEmpty() ? 0.0 : kAmbientDistance * prepared->box_L.diagonal().norm();
-  for (std::size_t n = 0; n < layers.size(); ++n) {
-    const geometry::TriangleMesh& mesh_L = *layers[n].mesh_L;
-    std::vector<const geometry::TriangleMesh*> obstacle_meshes;
-    for (std::size_t other = 0; other < layers.size(); ++other)
-      if (other == n || layers[other].opacity == 1.0)
-        obstacle_meshes.push_back(layers[other].mesh_L);
-    const geometry::TriangleMesh* const alone = &mesh_L;
-    LEFORT_TRY(RayScene surface, RayScene::build({&alone, 1}));
-    LEFORT_TRY(RayScene obstacles, obstacle_meshes.size() == 1 ? Result<RayScene>(surface)
-                                                               : RayScene::build(obstacle_meshes));
-    std::vector<Vec3> normals_L = vertex_normals(mesh_L);
-    LEFORT_TRY(std::vector<float> sky,
-               ambient_occlusion(mesh_L, normals_L, obstacles, max_distance_mm, progress));
-    prepared->layers.push_back({mesh_L, layers[n], std::move(normals_L), std::move(sky),
-                                std::move(surface), std::move(obstacles)});
+  if (!box_L.isEmpty()) geometry->ambient_distance_mm = kAmbientDistance * box_L.diagonal().norm();
+  std::optional<RayScene> opaque_obstacles;
+  for (const SurfaceLayer& layer : layers) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "rendering was cancelled");
+    std::vector<const geometry::TriangleMesh*> meshes = opaque;
+    if (layer.opacity != 1.0) meshes.push_back(layer.mesh_L);
+    std::optional<RayScene> obstacles = layer.opacity == 1.0 ? opaque_obstacles : std::nullopt;
+    if (!obstacles) {
+      LEFORT_TRY(obstacles, RayScene::build(meshes));
+    }
+    if (layer.opacity == 1.0) opaque_obstacles = obstacles;
+    geometry->layers.push_back({*layer.mesh_L,
+                                vertex_normals(*layer.mesh_L),
+                                *std::move(obstacles),
+                                VertexFractions(layer.mesh_L->vertices.size()),
+                                {}});
   }
-  return SurfaceScene(std::move(prepared));
+  return SurfaceScene(std::move(geometry), {layers.begin(), layers.end()});
+}
+
+Result<SurfaceScene> SurfaceScene::recolored(std::size_t layer, std::vector<double> scalars,
+                                             const ColorScale& scale) const {
+  LEFORT_CHECK(layer < styles_.size());
+  std::vector<SurfaceLayer> styles = styles_;
+  styles[layer].mesh_L = &geometry_->layers[layer].mesh_L;
+  styles[layer].scalars = std::move(scalars);
+  styles[layer].scale = scale;
+  LEFORT_TRY_VOID(check_layer(styles[layer], layer));
+  return SurfaceScene(geometry_, std::move(styles));
 }
 
 namespace {
-
-/// Renders one picture: the camera, and the lighting of the layers.
-class Exposure {
- public:
-  Exposure(const std::vector<PreparedLayer>& layers, const Box3& box_L, const View& view,
-           const PictureSize& size)
-      : layers_(layers), camera_(axes_of(view)), size_(size) {
-    mm_per_pixel_ = view.height_mm / double(size.height);
-    // Rays start in a plane in front of all layers.
-    const double nearest_mm =
-        box_L.isEmpty()
-            ? 0.0
-            : camera_.towards_L.dot(box_L.center() - view.center_L) + 0.5 * box_L.diagonal().norm();
-    start_middle_ = view.center_L + (nearest_mm + 1.0) * camera_.towards_L;
-  }
-
-  Result<void> light(Progress& progress) {
-    for (const PreparedLayer& layer : layers_) {
-      LEFORT_TRY(auto lamp, soft_shadow(layer.mesh_L, layer.normals_L, layer.obstacles,
-                                        towards_key_light(camera_), progress));
-      lamps_.push_back(std::move(lamp));
-    }
-    return {};
-  }
-
-  /// The mean over the rays of a pixel.
-  [[nodiscard]] Light pixel(int column, int row) const {
-    Light sum = Light::Zero();
-    const int n = size_.supersampling;
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
-        sum += ray(double(column) + (double(i) + 0.5) / n, double(row) + (double(j) + 0.5) / n);
-    return sum / double(n * n);
-  }
-
- private:
-  [[nodiscard]] Light ray(double x, double y) const {
-    const Vec3 origin_L =
-        start_middle_ + mm_per_pixel_ * ((x - 0.5 * size_.width) * camera_.right_L +
-                                         (0.5 * size_.height - y) * camera_.up_L);
-    std::vector<LayerHit>& hits = scratch();
-    for (std::size_t n = 0; n < layers_.size(); ++n)
-      if (const auto hit = layers_[n].surface.closest(origin_L, -camera_.towards_L))
-        hits.push_back({*hit, n});
-    std::stable_sort(hits.begin(), hits.end(), [](const LayerHit& a, const LayerHit& b) {
-      return a.hit.distance_mm < b.hit.distance_mm;
-    });
-    Light seen = Light::Zero();
-    double clear = 1.0;  // Fraction of the light behind that is transmitted.
-    for (const LayerHit& each : hits) {
-      const PreparedLayer& layer = layers_[each.layer];
-      const double opacity = opacity_at(layer, each.hit);
-      seen += clear * opacity * light_at(layer, lamps_[each.layer], each.hit, camera_);
-      clear *= 1.0 - opacity;
-      if (clear == 0.0) break;
-    }
-    return seen + clear * backdrop(1.0 - y / double(size_.height));
-  }
-
-  /// Transparent layers are more opaque at grazing angles, so that their silhouette is visible.
-  [[nodiscard]] double opacity_at(const PreparedLayer& layer, const RayHit& hit) const {
-    const double opacity = layer.style.opacity;
-    if (opacity == 0.0) return 0.0;
-    const double grazing = 1.0 - std::abs(hit.normal_L.dot(camera_.towards_L));
-    return opacity + (1.0 - opacity) * 0.6 * grazing * grazing * grazing;
-  }
-
-  static std::vector<LayerHit>& scratch() {  // Avoids an allocation per ray.
-    thread_local std::vector<LayerHit> hits;
-    hits.clear();
-    return hits;
-  }
-
-  const std::vector<PreparedLayer>& layers_;
-  ViewAxes camera_;
-  PictureSize size_;
-  double mm_per_pixel_;
-  Vec3 start_middle_;
-  std::vector<std::vector<float>> lamps_;
-};
 
 Result<void> check_size(const PictureSize& size) {
   const auto fits = [](int side) { return side >= 16 && side <= 8192; };
@@ -225,29 +134,64 @@ Result<void> check_size(const PictureSize& size) {
   return {};
 }
 
+/// Computes the light of the triangles that a picture shows.
+Result<void> light_layers(Exposure& exposure,
+                          std::span<const std::vector<LayerTriangle>> visible_in_bands,
+                          std::span<PreparedLayer> layers, double ambient_distance_mm,
+                          Progress& progress) {
+  std::vector<std::vector<char>> visible;
+  for (const PreparedLayer& layer : layers) visible.emplace_back(layer.mesh_L.triangles.size(), 0);
+  for (const std::vector<LayerTriangle>& band : visible_in_bands)
+    for (const auto& [layer, triangle] : band) visible[layer][triangle] = 1;
+  const Vec3 lamp_L = towards_key_light(exposure.camera());
+  for (std::size_t n = 0; n < layers.size(); ++n) {
+    PreparedLayer& layer = layers[n];
+    const ShadedSurface surface{layer.mesh_L, layer.normals_L, layer.obstacles};
+    const LitRegion region = lit_region(layer.mesh_L, visible[n]);
+    LEFORT_TRY(std::vector<float> sky,
+               ambient_occlusion(surface, region, ambient_distance_mm, layer.sky, progress));
+    LEFORT_TRY(std::vector<float> lamp,
+               soft_shadow(surface, region, lamp_L, layer.lamp(lamp_L), progress));
+    exposure.set_light(n, std::move(sky), std::move(lamp));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Picture> SurfaceScene::render(const View& view, const PictureSize& size,
                                      Progress& progress) const {
   LEFORT_TRY_VOID(check_view(view));
   LEFORT_TRY_VOID(check_size(size));
-  Exposure exposure(prepared_->layers, prepared_->box_L, view, size);
-  LEFORT_TRY_VOID(exposure.light(progress));
+  std::vector<ViewLayer> layers;
+  for (std::size_t n = 0; n < styles_.size(); ++n)
+    layers.push_back({geometry_->layers[n].mesh_L, geometry_->layers[n].normals_L, styles_[n]});
+  Exposure exposure(std::move(layers), view, size);
+  const auto cancelled = [] { return fail(ErrorCode::kCancelled, "rendering was cancelled"); };
+  const int bands = exposure.band_count();
+  const int group = kBands * std::max(1, ThreadLimit::current());
+  std::vector<std::vector<LayerTriangle>> visible;
+  visible.resize(std::size_t(bands));
+  for (int first = 0; first < bands; first += group) {
+    if (progress.stop_requested()) return cancelled();
+    parallel_for(
+        std::min(group, bands - first),
+        [&](Index n) { visible[std::size_t(first + n)] = exposure.visible_in(first + int(n)); }, 1);
+  }
+  {
+    const std::lock_guard<std::mutex> lock(geometry_->light);
+    LEFORT_TRY_VOID(light_layers(exposure, visible, geometry_->layers,
+                                 geometry_->ambient_distance_mm, progress));
+  }
   Picture picture{
       size.width, size.height,
       std::vector<std::uint8_t>(4 * std::size_t(size.width) * std::size_t(size.height))};
-  constexpr int kRows = 64;  // Between two checks for a stop request.
-  for (int top = 0; top < size.height; top += kRows) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "rendering was cancelled");
-    progress.report(double(top) / double(size.height));
-    const int rows = std::min(kRows, size.height - top);
-    parallel_for(Index(rows) * size.width, [&](Index n) {
-      const Index index = Index(top) * size.width + n;
-      const Light light = exposure.pixel(int(index % size.width), int(index / size.width));
-      std::uint8_t* const rgba = picture.rgba.data() + 4 * index;
-      for (int c = 0; c < 3; ++c) rgba[c] = std::uint8_t(std::lround(255.0 * srgb_of(light[c])));
-      rgba[3] = 255;
-    });
+  for (int first = 0; first < bands; first += group) {
+    if (progress.stop_requested()) return cancelled();
+    progress.report(double(first) / double(bands));
+    parallel_for(
+        std::min(group, bands - first), [&](Index n) { exposure.draw(first + int(n), picture); },
+        1);
   }
   return picture;
 }

@@ -1,5 +1,6 @@
 /// \file
-/// Renders surfaces by ray casting on the CPU, without display or graphics card.
+/// Renders surfaces on the CPU, without display or graphics card: visible triangles by
+/// rasterization, light by ray casting.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,6 +10,7 @@
 #include <lefort/report/picture.h>
 #include <lefort/report/view.h>
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
@@ -33,12 +35,12 @@ struct PictureSize {
   int supersampling = 2;  ///< Rays along each side of a pixel, 1 to 4.
 };
 
-/// Surfaces prepared for rendering from any view: search trees, smooth normals and ambient
-/// occlusion. The preparation takes longer than a picture.
+/// Surfaces prepared for rendering from any view: search trees, smooth normals. Occlusion and
+/// shadows are computed where a picture shows them, and kept for the next picture.
 class SurfaceScene {
  public:
   /// \param layers    copied.
-  /// \param progress  receives the fraction done of each layer; may request a stop.
+  /// \param progress  may request a stop.
   /// \returns the scene, or
   ///   - kInvalidArgument  the number of scalars is wrong, the opacity is outside [0, 1], a color
   ///                       scale is empty, or memory is exhausted
@@ -48,9 +50,18 @@ class SurfaceScene {
   [[nodiscard]] static Result<SurfaceScene> build(std::span<const SurfaceLayer> layers,
                                                   Progress& progress);
 
+  /// The same surfaces in the colors of scalars; light that was computed is shared.
+  ///
+  /// \param layer    number of the layer, less than the number of layers.
+  /// \param scalars  one per vertex; NaN is drawn in kMissingColor.
+  /// \param scale    their colors.
+  /// \returns the scene, or kInvalidArgument if the number of scalars is wrong or the scale empty.
+  [[nodiscard]] Result<SurfaceScene> recolored(std::size_t layer, std::vector<double> scalars,
+                                               const ColorScale& scale) const;
+
   /// \param view      the camera.
   /// \param size      of the picture.
-  /// \param progress  receives the fraction done of the shadow on each layer, then of the rows; may
+  /// \param progress  receives the fraction done of the light on each layer, then of the rows; may
   ///   request a stop.
   /// \returns the picture without annotations (annotate.h), or kInvalidArgument for a view or size
   ///   out of range, or kCancelled.
@@ -62,9 +73,10 @@ class SurfaceScene {
   ~SurfaceScene();
 
  private:
-  struct Prepared;
-  explicit SurfaceScene(std::unique_ptr<const Prepared> prepared);
-  std::unique_ptr<const Prepared> prepared_;
+  struct Geometry;
+  SurfaceScene(std::shared_ptr<Geometry> geometry, std::vector<SurfaceLayer> styles);
+  std::shared_ptr<Geometry> geometry_;  ///< Locked while light is computed.
+  std::vector<SurfaceLayer> styles_;    ///< Their mesh_L are not used.
 };
 
 /// Renders a single picture: SurfaceScene::build(), then SurfaceScene::render().

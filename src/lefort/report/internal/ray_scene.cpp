@@ -4,7 +4,9 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
+#include <array>
+#include <cstdint>
 
 namespace lefort::report {
 
@@ -36,18 +38,7 @@ bool attach(RTCDevice device, RTCScene scene, const geometry::TriangleMesh& mesh
   return allocated;
 }
 
-RTCRay ray_of(const Vec3& origin_L, const Vec3& direction_L, double max_distance_mm) {
-  RTCRay ray{};
-  ray.org_x = float(origin_L.x());
-  ray.org_y = float(origin_L.y());
-  ray.org_z = float(origin_L.z());
-  ray.dir_x = float(direction_L.x());
-  ray.dir_y = float(direction_L.y());
-  ray.dir_z = float(direction_L.z());
-  ray.tfar = float(max_distance_mm);
-  ray.mask = ~0U;
-  return ray;
-}
+constexpr std::size_t kPacket = 8;  ///< Rays that Embree traces together.
 
 }  // namespace
 
@@ -66,8 +57,7 @@ Result<RayScene> RayScene::build(std::span<const geometry::TriangleMesh* const> 
   for (const geometry::TriangleMesh* mesh : meshes)
     if (!mesh->triangles.empty()) allocated = allocated && attach(device, rtc(scene), *mesh);
   {
-    // The order of the tree decides which of two triangles a ray through their common edge hits;
-    // with one thread this order is deterministic.
+    // With one thread the tree is always the same.
     const ThreadLimit one_thread(1);
     rtcCommitScene(rtc(scene));
   }
@@ -78,25 +68,31 @@ Result<RayScene> RayScene::build(std::span<const geometry::TriangleMesh* const> 
   return RayScene(scene);
 }
 
-std::optional<RayHit> RayScene::closest(const Vec3& origin_L, const Vec3& direction_L) const {
-  RTCRayHit query{};
-  query.ray = ray_of(origin_L, direction_L, std::numeric_limits<double>::infinity());
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(rtc(scene_), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const Vec3 normal_L(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
-  return RayHit{query.ray.tfar, normal_L.normalized(), query.hit.primID, query.hit.u, query.hit.v};
-}
-
-bool RayScene::blocked(const Vec3& origin_L, const Vec3& direction_L,
-                       double max_distance_mm) const {
-  RTCRay ray = ray_of(origin_L, direction_L, max_distance_mm);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(rtc(scene_), &context, &ray);
-  return ray.tfar < 0.0F;
+int RayScene::count_open(const Vec3& origin_L, std::span<const Vec3> directions_L,
+                         double max_distance_mm) const {
+  int open = 0;
+  for (std::size_t begin = 0; begin < directions_L.size(); begin += kPacket) {
+    const std::size_t count = std::min(kPacket, directions_L.size() - begin);
+    alignas(32) std::array<int, kPacket> valid{};
+    RTCRay8 rays{};
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      valid[i] = i < count ? -1 : 0;
+      const Vec3& direction_L = directions_L[begin + std::min(i, count - 1)];
+      rays.org_x[i] = float(origin_L.x());
+      rays.org_y[i] = float(origin_L.y());
+      rays.org_z[i] = float(origin_L.z());
+      rays.dir_x[i] = float(direction_L.x());
+      rays.dir_y[i] = float(direction_L.y());
+      rays.dir_z[i] = float(direction_L.z());
+      rays.tfar[i] = float(max_distance_mm);
+      rays.mask[i] = ~0U;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid.data(), rtc(scene_), &context, &rays);
+    for (std::size_t i = 0; i < count; ++i) open += rays.tfar[i] < 0.0F ? 0 : 1;
+  }
+  return open;
 }
 
 }  // namespace lefort::report
