@@ -1,14 +1,17 @@
+#include <lefort/core/parallel.h>
 #include <lefort/io/volume_files.h>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "io/itk_images.h"
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
@@ -146,6 +149,44 @@ TEST(VolumeFiles, WarnsOfAFieldOfViewThatEndsInThePatient) {
       for (const Index side : {9, 30}) ct.at(n, side, k) = ct.at(side, n, k) = -480;
   ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
   EXPECT_TRUE(read_volume(folder / "a.nrrd")->warnings.empty());
+}
+
+/// 2.6 MB: three blocks of io/internal/write_nrrd.cpp.
+image::CtVolume large_scan() {
+  image::CtVolume ct;
+  ct.grid.size = {130, 100, 100};
+  ct.grid.spacing_mm = Vec3(0.3, 0.4, 1.0 / 3.0);
+  std::uint32_t state = 1;
+  for (Index v = 0; v < ct.grid.voxel_count(); ++v) {
+    state = state * 1664525U + 1013904223U;
+    ct.values.push_back(std::int16_t(int(state >> 24U) - 128));
+  }
+  return ct;
+}
+
+TEST(VolumeFiles, OtherReadersReadAnNrrdFileOfSeveralBlocks) {
+  const TemporaryFolder folder;
+  const image::CtVolume ct = large_scan();
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  const test::ItkImage read = test::read_itk_image((folder / "a.nrrd").string());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(read.size[axis], std::size_t(ct.grid.size[axis]));
+    EXPECT_NEAR(read.spacing[axis], ct.grid.spacing_mm[Index(axis)], 1e-15);
+  }
+  ASSERT_EQ(read.values.size(), ct.values.size());
+  EXPECT_TRUE(std::equal(read.values.begin(), read.values.end(), ct.values.begin()));
+}
+
+TEST(VolumeFiles, NrrdFilesHaveTheSameBytesForAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const image::CtVolume ct = large_scan();
+  {
+    const ThreadLimit one(1);
+    ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  }
+  const ThreadLimit four(4);
+  ASSERT_TRUE(write_volume(folder / "b.nrrd", ct));
+  EXPECT_EQ(bytes_of(folder / "a.nrrd"), bytes_of(folder / "b.nrrd"));
 }
 
 TEST(VolumeFiles, RejectsOtherEndingsAndMissingFiles) {
