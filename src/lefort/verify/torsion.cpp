@@ -227,11 +227,11 @@ Section verify_torsion(Extent extent, Progress& progress) {
                         .y_label = "relative error",
                         .y_axis = report::Axis::kLog};
   double done = 0.0;
-  for (const mesh::ElementShape shape : kAllShapes) {
+  for (const mesh::ElementShape shape : kAveragedShapes) {
     if (column_meshes(shape, extent).empty()) continue;
     report::PlotLine line{.name = text_of(shape)};
     const TorsionErrors errors = twist_all(shape, extent, table, line, progress);
-    progress.report(++done / double(kAllShapes.size()));
+    progress.report(++done / double(kAveragedShapes.size()));
     plot.lines.push_back(std::move(line));
     check_torsion(shape, extent, errors, section);
   }

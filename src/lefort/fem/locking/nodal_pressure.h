@@ -1,6 +1,5 @@
 /// \file
-/// Volumetric energy of elements that average the change of volume around nodes
-/// (volumetric_integration.h).
+/// Volumetric energy of elements with a continuous pressure (volumetric_integration.h).
 #pragma once
 
 #include <lefort/core/types.h>
@@ -17,32 +16,30 @@
 
 namespace lefort::fem {
 
-/// Averaged nodal pressure (\cite bonet1998), with averages at the innermost nodes of each element:
+/// Pressure of the Taylor-Hood pair (\cite taylor1973; \cite boffi2013, chapter 8): continuous
+/// in a region, p = sum over corner nodes of N_a p_a, with the functions N_a of the linear shape.
+/// The dilatation has the same space, and the integrals of p times dilatation and of U are computed
+/// by the nodal quadrature sum over a of V_a f(X_a). It makes their matrix diagonal, so that
+/// pressure and dilatation are eliminated node by node and the tangent stays symmetric:
 ///
-///   W  = sum over patches a of V_a U(v_a / V_a),   V_a = sum over e of s_ae V_e,
-///                                                  v_a = sum over e of s_ae v_e
-///   dW = sum over elements of (sum over a of s_ae p_a) cof F : dF dV,   p_a = U'(v_a / V_a)
+///   W  = sum over corner nodes a of V_a U(v_a / V_a),   V_a = integral of N_a dV,
+///                                                       v_a = integral of N_a J dV
+///   dW = integral of p cof F : dF dV,                   p_a = U'(v_a / V_a)
 ///
-/// V_e is the reference volume of an element and v_e its current volume. U is the volumetric energy
-/// of the law without the part that the elements keep (kNodalStabilizationFactor).
+/// The quadrature changes p / kappa by terms of second order in the element size, and not the
+/// integral of p div u, on which the inf-sup condition depends.
 ///
-/// A patch is a node with the elements around it that belong to one region, have a decoupled law,
-/// and are of a shape that averages around nodes. Each element belongs, with equal weights s_ae
-/// whose sum is 1, to the patches of its innermost nodes: interior nodes of its region if it has
-/// any; else nodes on a face of the region; else on an edge; else in a corner. An item is a patch.
-/// It couples all nodes of its elements; if these are more than kMaxLocalNodes, the elements are
-/// divided between several patches.
-///
-/// With averages also at boundary nodes there would be one volume constraint more than layers of
-/// elements, which would excite an alternating (checkerboard) change of volume. Weights that vary
-/// within an element would constrain more than its volume. Both lock.
-class AveragedNodalPressure final : public ForceTerm {
+/// A patch is a corner node with the elements around it that belong to one region, have a decoupled
+/// law, and are of a shape with averages at corner nodes. An item is a patch. It couples all nodes
+/// of its elements; if these are more than kMaxLocalNodes, the elements are divided between several
+/// patches, between which the pressure is discontinuous.
+class NodalPressure final : public ForceTerm {
  public:
   /// \param mesh       accepted by make_element_terms(); not referred to afterwards.
   /// \param materials  accepted by make_element_terms(); not referred to afterwards.
-  /// \returns the term, or null if no element averages around nodes.
-  [[nodiscard]] static std::unique_ptr<AveragedNodalPressure> build(
-      const mesh::VolumeMesh& mesh, const RegionMaterials& materials);
+  /// \returns the term, or null if no element has a nodal pressure.
+  [[nodiscard]] static std::unique_ptr<NodalPressure> build(const mesh::VolumeMesh& mesh,
+                                                            const RegionMaterials& materials);
 
   [[nodiscard]] Index item_count() const override { return Index(patches_.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override;
@@ -60,9 +57,8 @@ class AveragedNodalPressure final : public ForceTerm {
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
   /// \param number  of the element, through the blocks.
-  /// \returns for each node of the element the patch around this node to which the element belongs,
-  ///   or -1 if the node is not one of its innermost; empty if the element does not average around
-  ///   nodes.
+  /// \returns for each corner of the element the patch around this node to which the element
+  ///   belongs; empty if the element has no nodal pressure.
   [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
 
  private:
@@ -70,8 +66,9 @@ class AveragedNodalPressure final : public ForceTerm {
   struct ElementGeometry {
     std::int32_t points = 0;
     std::int32_t nodes = 0;
+    std::int32_t corners = 0;
     Index first_gradient = 0;  ///< In gradients_: for each point, for each node.
-    Index first_volume = 0;    ///< In volumes_mm3_: for each point.
+    Index first_weight = 0;    ///< In weights_mm3_: for each point, for each corner.
   };
 
   /// One element of a patch.
@@ -79,7 +76,7 @@ class AveragedNodalPressure final : public ForceTerm {
     std::int32_t element = 0;
     /// In local_nodes_: for each node of the element, its local number in the patch.
     std::int32_t first_local = 0;
-    double fraction = 0.0;  ///< s_ae.
+    std::int32_t corner = 0;  ///< The corner of the element at the center of the patch.
   };
 
   struct NodePatch {
@@ -92,18 +89,24 @@ class AveragedNodalPressure final : public ForceTerm {
 
   class Builder;
 
-  AveragedNodalPressure() = default;
+  NodalPressure() = default;
 
-  /// Calls f(F, s_ae dV, gradients dN/dX, local node numbers) for every point of the patch.
+  /// Calls f(F, N_a dV, gradients dN/dX, local node numbers) for every point of the patch.
   template <class Function>
   void for_each_point(const NodePatch& patch, std::span<const Vec3> x_L, const Function& f) const;
+
+  [[nodiscard]] double weight_mm3(const ElementGeometry& element, std::int32_t point,
+                                  std::int32_t corner) const {
+    return weights_mm3_[std::size_t(element.first_weight + Index(point) * element.corners +
+                                    corner)];
+  }
 
   /// \returns v_a / V_a - 1, or nothing if J <= 0 at a point, or NaN.
   [[nodiscard]] std::optional<double> mean_change(const NodePatch& patch,
                                                   std::span<const Vec3> x_L) const;
 
   std::vector<Vec3> gradients_;      ///< dN_a/dX.
-  std::vector<double> volumes_mm3_;  ///< dV.
+  std::vector<double> weights_mm3_;  ///< N_a dV of the corners.
   std::vector<ElementGeometry> geometries_;
   std::vector<PatchElement> patch_elements_;
   std::vector<std::uint8_t> local_nodes_;
