@@ -108,10 +108,7 @@ void check_stiffness(mesh::ElementShape shape, Extent extent, const BeamStiffnes
                               .expected = 1.0,
                               .tolerance = 0.1,
                               .reason = "displacements of degree 2 contain those of a bent beam; "
-                                        "the rest is the clamped end and the element's own shear",
-                              .known_failure = "the nodal pressures of one layer contain a third "
-                                               "of a volume change that is linear over the "
-                                               "height; use two layers"});
+                                        "the rest is the clamped end and the element's own shear"});
   const bool is_hex20 = shape == mesh::ElementShape::kHex20;
   check_convergence_order(
       fmt::format("{}: stiffness over the beam's", name), stiffness.values,

@@ -155,9 +155,7 @@ Section verify_cook(Extent extent, Progress& progress) {
   double done = 0.0;
   for (const mesh::ElementShape shape : kAllShapes) {
     const bool is_linear = degree(shape) == 1;
-    const std::vector<int> cells = full        ? std::vector{4, 8, 16, 32}
-                                   : is_linear ? std::vector{4, 8, 16}
-                                               : std::vector{2, 4, 8};
+    const std::vector<int> cells = full ? std::vector{4, 8, 16, 32} : std::vector{4, 8, 16};
     if (averages_volume(shape)) {
       const Rises averaged =
           rises(shape, cells, Diagonal::kShorter, VolumetricIntegration::kMeanDilatation, progress);

@@ -50,16 +50,6 @@ mesh::VolumeMesh cube(mesh::ElementShape shape, int cells, Grid grid) {
   return mesh;
 }
 
-std::string reason_of_modes(const Pair& pair) {
-  if (*pair.instability != '\0') return pair.instability;
-  // The three edges of a corner of the cube have all their nodes on the boundary.
-  if (pair.shape == mesh::ElementShape::kHex20)
-    return "a hex20 in a corner of the cube, three of whose faces are held, has one such mode; "
-           "hold "
-           "at most two faces of an element, or divide it";
-  return "";
-}
-
 void check_pair(const Pair& pair, const std::string& grid, const std::vector<double>& numbers,
                 Index spurious, Section& section) {
   const std::string name =
@@ -76,7 +66,7 @@ void check_pair(const Pair& pair, const std::string& grid, const std::vector<dou
                             .comparison = Comparison::kAtMost,
                             .reason = "only the constant pressure may have no effect if the whole "
                                       "boundary is held",
-                            .known_failure = reason_of_modes(pair)});
+                            .known_failure = pair.instability});
 }
 
 Section inf_sup_section() {

@@ -2,9 +2,9 @@
 #include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/assembly/element_state.h>
-#include <lefort/fem/elements/corner_shape.h>
 #include <lefort/fem/elements/reference_element.h>
 #include <lefort/fem/locking/nodal_pressure.h>
+#include <lefort/fem/locking/volumetric_split.h>
 #include <lefort/fem/materials/material_response.h>
 
 #include <algorithm>
@@ -36,49 +36,33 @@ NodalStates nodal_states(const mesh::VolumeMesh& mesh, const RegionMaterials& ma
   return states;
 }
 
-/// Volumetric part of the state of one element.
-struct VolumetricContribution {
-  double pressure_mpa = 0.0;        ///< Mean over the element.
-  double energy_density_mpa = 0.0;  ///< Mean over the element.
-};
-
 /// \param change  J - 1 at the points.
 /// \param number  of the element, through the blocks.
+/// \returns the mean over the element.
 template <class Element>
-VolumetricContribution volumetric_contribution(
+NodalPressure::State volumetric_contribution(
     const Volumetric& volume, const ReferenceElement<Element>& points,
     const Eigen::Matrix<double, Element::kPoints, 1>& change, const NodalStates& nodal,
     Index number) {
-  double volume_mm3 = 0.0;
-  for (const ReferencePoint<Element>& point : points) volume_mm3 += point.volume_mm3;
-  VolumetricContribution mean;
   if constexpr (kVolumeAverage<Element> == VolumeAverage::kElement) {
+    double volume_mm3 = 0.0;
     double growth_mm3 = 0.0;
-    for (std::size_t q = 0; q < points.size(); ++q)
-      growth_mm3 += points[q].volume_mm3 * change[Index(q)];
-    const double mean_change = growth_mm3 / volume_mm3;
-    mean = {volume.dU_dJ(1.0 + mean_change), volume.energy_minus_one(mean_change)};
-  } else {
-    static const auto kQuadrature = Element::quadrature();
-    const std::span<const std::int32_t> patches = nodal.term->patches_of(number);
     for (std::size_t q = 0; q < points.size(); ++q) {
-      const auto N = corner_functions<Element>(kQuadrature[q].N);
-      for (std::size_t a = 0; a < patches.size(); ++a) {
-        const NodalPressure::State& state = nodal.of_patch[std::size_t(patches[a])];
-        const double fraction = N[Index(a)] * points[q].volume_mm3 / volume_mm3;
-        mean.pressure_mpa += fraction * state.pressure_mpa;
-        mean.energy_density_mpa += fraction * state.energy_density_mpa;
-      }
+      volume_mm3 += points[q].volume_mm3;
+      growth_mm3 += points[q].volume_mm3 * change[Index(q)];
     }
+    const double mean_change = growth_mm3 / volume_mm3;
+    return {volume.dU_dJ(1.0 + mean_change), volume.energy_minus_one(mean_change)};
+  } else {
+    return nodal.term->mean_of(number, nodal.of_patch);
   }
-  return mean;
 }
 
 /// \param nodal   null with full integration.
 /// \param number  of the element, through the blocks.
 template <class Element>
 ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
-                      const Material& material, const VectorX& u, const NodalStates* nodal,
+                      const Material& whole, const VectorX& u, const NodalStates* nodal,
                       Index number) {
   ElementNodes<Element> X;
   ElementNodes<Element> x;
@@ -89,9 +73,13 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   const auto reference = reference_element<Element>(X);
   LEFORT_CHECK(reference.has_value());
 
-  const bool is_averaged = nodal != nullptr && volumetric_part(material) != nullptr &&
-                           kVolumeAverage<Element> != VolumeAverage::kNone;
-  const LawPart part = is_averaged ? LawPart::kIsochoric : LawPart::kWhole;
+  constexpr VolumeAverage kAverage = kVolumeAverage<Element>;
+  const bool is_averaged =
+      nodal != nullptr && volumetric_part(whole) != nullptr && kAverage != VolumeAverage::kNone;
+  const LawPart part =
+      is_averaged && kAverage == VolumeAverage::kElement ? LawPart::kIsochoric : LawPart::kWhole;
+  const Material material =
+      is_averaged && kAverage == VolumeAverage::kCornerNodes ? law_at_points(whole) : whole;
   ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
                      .stretches = Vec3::Zero()};
   Eigen::Matrix<double, Element::kPoints, 1> change;
@@ -114,8 +102,8 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   state.energy_density_mpa /= volume_mm3;
   if constexpr (kVolumeAverage<Element> != VolumeAverage::kNone) {
     if (!is_averaged) return state;
-    const VolumetricContribution volumetric = volumetric_contribution<Element>(
-        *volumetric_part(material), *reference, change, *nodal, number);
+    const NodalPressure::State volumetric = volumetric_contribution<Element>(
+        *volumetric_part(whole), *reference, change, *nodal, number);
     state.cauchy_mpa.diagonal().array() += volumetric.pressure_mpa;
     state.energy_density_mpa += volumetric.energy_density_mpa;
   }

@@ -4,6 +4,7 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/locking/mean_dilatation_term.h>
 #include <lefort/fem/locking/nodal_pressure.h>
+#include <lefort/fem/locking/volumetric_split.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
@@ -104,11 +105,15 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
                             .points = std::move(points),
                             .materials = std::move(materials.laws),
                             .material = std::move(materials.of_element)};
-  if constexpr (kVolumeAverage<Element> != VolumeAverage::kNone)
-    if (volumetric_integration == VolumetricIntegration::kMeanDilatation &&
-        std::ranges::any_of(data.materials,
-                            [](const Material& law) { return volumetric_part(law) != nullptr; }))
-      return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data));
+  const bool averages = volumetric_integration == VolumetricIntegration::kMeanDilatation &&
+                        std::ranges::any_of(data.materials, [](const Material& law) {
+                          return volumetric_part(law) != nullptr;
+                        });
+  if constexpr (kVolumeAverage<Element> == VolumeAverage::kElement)
+    if (averages) return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data));
+  if constexpr (kVolumeAverage<Element> == VolumeAverage::kCornerNodes)
+    if (averages)  // NodalPressure has the rest.
+      for (Material& law : data.materials) law = law_at_points(law);
   return std::make_unique<const ContinuumTerm<Element>>(std::move(data));
 }
 

@@ -17,8 +17,7 @@ namespace lefort::fem {
 ///   J_mean  = sum over points of J dV / V
 ///   dW      = sum of (dPsi_iso/dF + p cof F) : dF dV,   p = U'(J_mean)
 ///
-/// For shapes with averages at corner nodes this term has the isochoric part alone; NodalPressure
-/// has the rest. Elements whose law is not decoupled are evaluated as in ContinuumTerm.
+/// Elements whose law is not decoupled are evaluated as in ContinuumTerm.
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
@@ -38,9 +37,7 @@ class MeanDilatationTerm final : public ForceTerm {
     if (volume == nullptr)
       return add_strain_energy<Element>(material, LawPart::kWhole, points, x, local);
     if (!add_strain_energy<Element>(material, LawPart::kIsochoric, points, x, local)) return false;
-    if constexpr (kVolumeAverage<Element> == VolumeAverage::kElement)
-      return add_volume(*volume, points, x, local);
-    return true;
+    return add_volume(*volume, points, x, local);
   }
 
  private:

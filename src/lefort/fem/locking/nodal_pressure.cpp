@@ -3,13 +3,16 @@
 #include <lefort/fem/elements/corner_shape.h>
 #include <lefort/fem/elements/reference_element.h>
 #include <lefort/fem/locking/for_each_decoupled_element.h>
+#include <lefort/fem/locking/lone_corners.h>
 #include <lefort/fem/locking/nodal_pressure.h>
 #include <lefort/fem/locking/volumetric_integration.h>
-#include <lefort/fem/materials/material_response.h>
+#include <lefort/fem/locking/volumetric_split.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <tuple>
 
 namespace lefort::fem {
@@ -67,6 +70,7 @@ class NodalPressure::Builder {
       for (int a = 0; a < Element::kNodes; ++a) term_->gradients_.emplace_back(point.dN_dX.col(a));
     }
     first_node_.push_back(element_nodes_.size());
+    shares_lone_corners_.push_back(kSharesLoneCorners<Element>);
     element_nodes_.insert(element_nodes_.end(), nodes, nodes + Element::kNodes);
     for (int a = 0; a < CornerShape<Element>::kNodes; ++a)
       corners_.push_back({nodes[a], region, element, corner_count_++, a});
@@ -81,8 +85,11 @@ class NodalPressure::Builder {
       return std::tie(a.node, a.region) < std::tie(b.node, b.region);
     });
     term_->patch_of_corner_.assign(corner_count_, -1);
+    term_->fraction_of_corner_.assign(corner_count_, 0.0);
+    share_lone_corners();
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const ElementCorner& corner = corners_[k];
+      if (corner_volume_mm3(corner) == 0.0) continue;  // Without a pressure of its own.
       if (k == 0 || !are_in_one_patch(corners_[k - 1], corner) ||
           !nodes_.has_room_for(nodes_of(corner.element)))
         open_patch(materials.at(corner.region));
@@ -98,9 +105,40 @@ class NodalPressure::Builder {
             std::size_t(term_->geometries_[std::size_t(element)].nodes)};
   }
 
+  /// \returns the integral of the pressure function of this corner over its element.
+  [[nodiscard]] double corner_volume_mm3(const ElementCorner& corner) const {
+    const ElementGeometry& element = term_->geometries_[std::size_t(corner.element)];
+    double sum_mm3 = 0.0;
+    for (std::int32_t q = 0; q < element.points; ++q)
+      sum_mm3 += term_->weight_mm3(element, q, corner.corner);
+    return sum_mm3;
+  }
+
+  /// Replaces the functions of elements with lone corners. Needs the sorted corners.
+  void share_lone_corners() {
+    std::map<std::int32_t, LoneCorners> lone_of_element;
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      const ElementCorner& corner = corners_[k];
+      const bool is_lone = (k == 0 || !are_in_one_patch(corners_[k - 1], corner)) &&
+                           (k + 1 == corners_.size() || !are_in_one_patch(corner, corners_[k + 1]));
+      if (is_lone && shares_lone_corners_[std::size_t(corner.element)])
+        lone_of_element.try_emplace(corner.element).first->second[std::size_t(corner.corner)] =
+            true;
+    }
+    for (const auto& [number, is_lone] : lone_of_element) {
+      const ElementGeometry& element = term_->geometries_[std::size_t(number)];
+      const Eigen::Matrix<double, 8, 8> T = pressure_functions(is_lone);
+      for (std::int32_t q = 0; q < element.points; ++q) {
+        Eigen::Map<Eigen::Matrix<double, 8, 1>> weights(
+            &term_->weights_mm3_[std::size_t(element.first_weight + Index(q) * element.corners)]);
+        weights = (T * weights).eval();
+      }
+    }
+  }
+
   void open_patch(const Material& material) {
     nodes_.open();
-    term_->patches_.push_back({.volume = *volumetric_part(material),
+    term_->patches_.push_back({.volume = volumetric_of_pressure(material),
                                .nodes = nodes_.last(),
                                .first_element = std::int32_t(term_->patch_elements_.size())});
   }
@@ -115,9 +153,17 @@ class NodalPressure::Builder {
     for (const std::int32_t node : nodes_of(corner.element))
       term_->local_nodes_.push_back(std::uint8_t(nodes_.add(node)));
     patch.nodes = nodes_.last();
-    for (std::int32_t q = 0; q < element.points; ++q)
-      patch.volume_mm3 += term_->weight_mm3(element, q, corner.corner);
+    const double volume_mm3 = corner_volume_mm3(corner);
+    patch.volume_mm3 += volume_mm3;
     term_->patch_of_corner_[corner.place] = std::int32_t(term_->patches_.size()) - 1;
+    term_->fraction_of_corner_[corner.place] = volume_mm3 / element_volume_mm3(element);
+  }
+
+  [[nodiscard]] double element_volume_mm3(const ElementGeometry& element) const {
+    const auto weights = std::span(term_->weights_mm3_)
+                             .subspan(std::size_t(element.first_weight),
+                                      std::size_t(element.points * element.corners));
+    return std::accumulate(weights.begin(), weights.end(), 0.0);
   }
 
   std::unique_ptr<NodalPressure> term_{new NodalPressure()};
@@ -125,6 +171,7 @@ class NodalPressure::Builder {
   std::vector<ElementCorner> corners_;
   std::vector<std::int32_t> element_nodes_;  ///< Of all elements.
   std::vector<std::size_t> first_node_;      ///< Of each element, in element_nodes_.
+  std::vector<bool> shares_lone_corners_;    ///< Of each element (lone_corners.h).
   std::size_t corner_count_ = 0;             ///< Of all elements.
 };
 
@@ -146,10 +193,17 @@ std::span<const std::int32_t> NodalPressure::nodes(Index item) const {
   return {patch_nodes_.data() + patch.nodes.first, std::size_t(patch.nodes.count)};
 }
 
-std::span<const std::int32_t> NodalPressure::patches_of(Index number) const {
-  const std::int32_t first = number == 0 ? 0 : end_of_corners_[std::size_t(number) - 1];
-  return {patch_of_corner_.data() + first,
-          std::size_t(end_of_corners_[std::size_t(number)] - first)};
+NodalPressure::State NodalPressure::mean_of(Index number, std::span<const State> of_items) const {
+  State mean;
+  const auto first = std::size_t(number == 0 ? 0 : end_of_corners_[std::size_t(number) - 1]);
+  for (std::size_t place = first; place < std::size_t(end_of_corners_[std::size_t(number)]);
+       ++place) {
+    if (patch_of_corner_[place] < 0) continue;
+    const State& state = of_items[std::size_t(patch_of_corner_[place])];
+    mean.pressure_mpa += fraction_of_corner_[place] * state.pressure_mpa;
+    mean.energy_density_mpa += fraction_of_corner_[place] * state.energy_density_mpa;
+  }
+  return mean;
 }
 
 template <class Function>

@@ -26,8 +26,14 @@ namespace lefort::fem {
 ///                                                       v_a = integral of N_a J dV
 ///   dW = integral of p cof F : dF dV,                   p_a = U'(v_a / V_a)
 ///
-/// The quadrature changes p / kappa by terms of second order in the element size, and not the
-/// integral of p div u, on which the inf-sup condition depends.
+/// The quadrature changes p / kappa, and not the integral of p div u, on which the inf-sup condition
+/// depends. The change is of second order in the element size, on the boundary of the first, and
+/// vanishes as kappa increases. Without it the matrix of the dilatations would have to be inverted,
+/// and the tangent would be dense.
+///
+/// U is here that of the bulk modulus less 2/3 mu, which stays at the points (volumetric_split.h).
+///
+/// In hex20 the functions at corners of one element only are shared out (lone_corners.h).
 ///
 /// A patch is a corner node with the elements around it that belong to one region, have a decoupled
 /// law, and are of a shape with averages at corner nodes. An item is a patch. It couples all nodes
@@ -56,10 +62,10 @@ class NodalPressure final : public ForceTerm {
   /// \param x_L   current positions of all nodes [mm].
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
-  /// \param number  of the element, through the blocks.
-  /// \returns for each corner of the element the patch around this node to which the element
-  ///   belongs; empty if the element has no nodal pressure.
-  [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
+  /// \param number    of the element, through the blocks.
+  /// \param of_items  the state of each item.
+  /// \returns the mean over the element; zero if it has no nodal pressure.
+  [[nodiscard]] State mean_of(Index number, std::span<const State> of_items) const;
 
  private:
   /// Counts and offsets of one element.
@@ -113,7 +119,9 @@ class NodalPressure final : public ForceTerm {
   std::vector<std::int32_t> patch_nodes_;
   std::vector<NodePatch> patches_;
   std::vector<std::int32_t> end_of_corners_;  ///< Of each element of the mesh, in patch_of_corner_.
-  std::vector<std::int32_t> patch_of_corner_;  ///< See patches_of().
+  std::vector<std::int32_t> patch_of_corner_;  ///< Item; -1 if the corner has no pressure.
+  /// Integral of the pressure function of the corner over the element, over its volume.
+  std::vector<double> fraction_of_corner_;
 };
 
 }  // namespace lefort::fem

@@ -19,8 +19,9 @@
 ///     tet4, wedge6, pyramid5    none: U at the points; they lock   -
 ///
 /// The first row is the Taylor-Hood pair (\cite taylor1973; \cite boffi2013, chapter 8), with
-/// the pressure eliminated by nodal quadrature (nodal_pressure.h). `lefort verify --only inf-sup`
-/// measures the inf-sup numbers. The method has no constants.
+/// the pressure eliminated by nodal quadrature (nodal_pressure.h). It carries the term of lambda; the
+/// bulk modulus 2/3 mu stays at the points (volumetric_split.h). `lefort verify --only inf-sup`
+/// measures the inf-sup numbers. The method has no tuned constants.
 #pragma once
 
 #include <lefort/fem/elements/all_elements.h>
@@ -37,7 +38,7 @@ enum class VolumetricIntegration {
 enum class VolumeAverage {
   kNone,         ///< Nowhere: U at the points.
   kElement,      ///< One mean per element.
-  kCornerNodes,  ///< One mean per corner node, over the elements around it.
+  kCornerNodes,  ///< One mean per corner node, over the elements around it; lone_corners.h.
 };
 
 template <class Element>

@@ -27,6 +27,15 @@ const Volumetric* volumetric_part(const Material& material) {
       material);
 }
 
+Material with_bulk_modulus(Material material, double kappa_mpa) {
+  std::visit(
+      [&]<class Law>(Law& law) {
+        if constexpr (kIsDecoupled<Law>) law.volume.kappa_mpa = kappa_mpa;
+      },
+      material);
+  return material;
+}
+
 double energy(const Material& material, LawPart part, const Mat3& F) {
   return apply_law(material, part, [&](const auto& law) { return law.energy(F); });
 }

@@ -17,6 +17,9 @@ enum class LawPart {
 /// \returns U(J) of a decoupled law, null for others. Points into `material`.
 [[nodiscard]] const Volumetric* volumetric_part(const Material& material);
 
+/// \returns a decoupled law with another bulk modulus, >= 0; others unchanged.
+[[nodiscard]] Material with_bulk_modulus(Material material, double kappa_mpa);
+
 /// Psi [MPa = mJ/mm^3]. \pre det F > 0, here and below.
 [[nodiscard]] double energy(const Material& material, LawPart part, const Mat3& F);
 
