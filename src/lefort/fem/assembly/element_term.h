@@ -14,8 +14,8 @@
 
 namespace lefort::fem {
 
-/// One term per non-empty block of `mesh`, and one for all nodal pressures, if any. Total Lagrangian: gradients are computed once, in the reference
-/// configuration mesh.nodes_L.
+/// One term per non-empty block of `mesh`, and one for all nodal pressures, if any. Total
+/// Lagrangian: gradients are computed once, in the reference configuration mesh.nodes_L.
 ///
 /// \param mesh                    elements of any shapes; adjacent blocks should have matching
 ///   faces.

@@ -26,7 +26,7 @@ namespace lefort::fem {
 ///                                                       v_a = integral of N_a J dV
 ///   dW = integral of p cof F : dF dV,                   p_a = U'(v_a / V_a)
 ///
-/// The quadrature changes p / kappa, and not the integral of p div u, on which the inf-sup condition
+/// The quadrature changes p / kappa, not the integral of p div u, on which the inf-sup condition
 /// depends. The change is of second order in the element size, on the boundary of the first, and
 /// vanishes as kappa increases. Without it the matrix of the dilatations would have to be inverted,
 /// and the tangent would be dense.

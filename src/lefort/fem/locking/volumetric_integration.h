@@ -19,8 +19,8 @@
 ///     tet4, wedge6, pyramid5    none: U at the points; they lock   -
 ///
 /// The first row is the Taylor-Hood pair (\cite taylor1973; \cite boffi2013, chapter 8), with
-/// the pressure eliminated by nodal quadrature (nodal_pressure.h). It carries the term of lambda; the
-/// bulk modulus 2/3 mu stays at the points (volumetric_split.h). `lefort verify --only inf-sup`
+/// the pressure eliminated by nodal quadrature (nodal_pressure.h). It carries the term of lambda;
+/// the bulk modulus 2/3 mu stays at the points (volumetric_split.h). `lefort verify --only inf-sup`
 /// measures the inf-sup numbers. The method has no tuned constants.
 #pragma once
 
