@@ -37,6 +37,30 @@ TEST(PrepareDeck, EveryComponentIsPrescribedOnceByTheFirst) {
   }
 }
 
+TEST(PrepareDeck, ShapesUnsuitableForNearlyIncompressibleLawsAreReported) {
+  const fem::DecoupledLaw<fem::IsochoricNeoHookean> decoupled{.isochoric = {.mu_mpa = 0.01},
+                                                              .volume = {.kappa_mpa = 5.0}};
+  const fem::NeoHookean coupled{.mu_mpa = 0.01, .lambda_mpa = 5.0};
+  const auto warnings_of = [](mesh::ElementShape shape, const fem::Material& law) {
+    Deck deck = test::uniaxial_deck(1.0);
+    deck.laws[0].law = law;
+    return prepare_deck(block(shape), deck).value().warnings;
+  };
+  using enum mesh::ElementShape;
+  for (const mesh::ElementShape shape : {kTet4, kWedge6, kPyramid5}) {
+    const auto warnings = warnings_of(shape, decoupled);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_SAYS(warnings[0], std::string(mesh::name_of(shape)) + " with a nearly incompressible");
+    EXPECT_SAYS(warnings[0], "0.4990) lock: they are too stiff; use tet10, wedge15 or hex20");
+    EXPECT_TRUE(warnings_of(shape, test::kBlockLaw).empty());
+  }
+  ASSERT_EQ(warnings_of(kHex8, decoupled).size(), 1U);
+  EXPECT_SAYS(warnings_of(kHex8, decoupled)[0], "the pressure of 16 hex8");
+  EXPECT_SAYS(warnings_of(kHex8, coupled)[0], "lock");
+  for (const mesh::ElementShape shape : {kTet10, kWedge15, kHex20})
+    EXPECT_TRUE(warnings_of(shape, decoupled).empty());
+}
+
 TEST(PrepareDeck, SetsThatMeetMustAgree) {
   Deck deck = test::uniaxial_deck(1.0);
   deck.displacements.push_back(prescribe("x0", {}, {}, 0.0));

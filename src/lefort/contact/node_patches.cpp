@@ -55,7 +55,7 @@ NodePatch patch_of(std::int32_t node, std::span<const AroundNode> around,
     for (const std::int32_t n : mesh::nodes_of(faces[at.face])) patch.nodes.push_back(n);
   std::sort(patch.nodes.begin(), patch.nodes.end());
   patch.nodes.erase(std::unique(patch.nodes.begin(), patch.nodes.end()), patch.nodes.end());
-  LEFORT_CHECK(patch.nodes.size() <= std::size_t(fem::kMaxLocalNodes));
+  LEFORT_CHECK(patch.nodes.size() <= std::size_t(kMaxPatchNodes));
   const auto place_of = [&](std::int32_t n) {
     return std::uint8_t(std::lower_bound(patch.nodes.begin(), patch.nodes.end(), n) -
                         patch.nodes.begin());

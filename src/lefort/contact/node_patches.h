@@ -14,6 +14,9 @@
 
 namespace lefort::contact {
 
+/// Max number of nodes of a patch.
+inline constexpr int kMaxPatchNodes = 64;
+
 /// A face of a node patch.
 struct PatchFace {
   mesh::FaceShape shape = mesh::FaceShape::kTri3;
@@ -41,7 +44,7 @@ struct NodePatch {
 class NodePatches {
  public:
   /// \param nodes_L  all nodes in the reference configuration [mm].
-  /// \param faces    of any shape; \pre no node has more than fem::kMaxLocalNodes in its patch.
+  /// \param faces    of any shape; \pre no node has more than kMaxPatchNodes in its patch.
   NodePatches(std::span<const Vec3> nodes_L, std::span<const mesh::Face> faces);
 
   [[nodiscard]] std::size_t size() const { return patches_.size(); }

@@ -23,7 +23,7 @@ namespace lefort::contact {
 struct WeightedContactTerm::PatchGap {
   double gap_mm = 0.0;  ///< g_a.
   /// G_a, three per node.
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * fem::kMaxLocalNodes, 1> gradient_mm2;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 * kMaxPatchNodes, 1> gradient_mm2;
 };
 
 template <class Function>

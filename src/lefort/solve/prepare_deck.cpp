@@ -6,6 +6,7 @@
 #include <lefort/solve/prefix_error.h>
 #include <lefort/solve/prepare_deck.h>
 #include <lefort/solve/unconstrained_parts.h>
+#include <lefort/solve/warn_of_locking.h>
 #include <lefort/solve/young_modulus_at_rest.h>
 
 #include <fmt/format.h>
@@ -277,6 +278,7 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   LEFORT_TRY_VOID(prefix_error(fem::validate(prepared.deck.newton), "newton"));
   LEFORT_TRY_VOID(assign_laws(prepared));
   LEFORT_TRY_VOID(fem::make_element_terms(prepared.mesh, prepared.materials));
+  prepared.warnings = warn_of_locking(prepared.mesh, prepared.materials);
   // After the check of single elements: a degenerate one may have the same face twice.
   LEFORT_TRY(const auto joints, check_joints(prepared.mesh, index));
   prepared.warnings.insert(prepared.warnings.end(), joints.begin(), joints.end());

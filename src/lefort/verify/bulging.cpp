@@ -206,7 +206,7 @@ void run_load(const Load& load, Extent extent, Section& section, Progress& progr
       .title = fmt::format("Block compressed by {}: force over the reference", load.name),
       .x_label = "refinement: log2 of the cells along a side",
       .y_label = "force over reference"};
-  for (const mesh::ElementShape shape : kAllShapes) {
+  for (const mesh::ElementShape shape : kAveragedShapes) {
     const std::string name = fmt::format("{}, {}", load.name, text_of(shape));
     const std::vector<int> cells = meshes(shape, extent);
     report::PlotLine line{.name = text_of(shape)};

@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/elements/corner_shape.h>
 #include <lefort/fem/elements/reference_element.h>
+#include <lefort/fem/locking/lone_corners.h>
 #include <lefort/verify/inf_sup.h>
 
 #include <Eigen/Eigenvalues>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,11 +48,41 @@ int corner_count(mesh::ElementShape shape) {
                     fem::element_of(shape));
 }
 
-Numbering corner_nodes(const mesh::VolumeMesh& mesh) {
+/// \returns the number of elements whose corner each node is.
+std::vector<int> elements_of_corners(const mesh::VolumeMesh& mesh) {
+  std::vector<int> counts(mesh.nodes_L.size(), 0);
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e)
+      for (int a = 0; a < corner_count(block.shape); ++a)
+        ++counts[std::size_t(block.element(e)[a])];
+  return counts;
+}
+
+/// \returns T, so that the pressure functions of the element are T N.
+template <class Element>
+Eigen::MatrixXd continuous_functions(const std::int32_t* nodes, std::span<const int> counts) {
+  constexpr int kCorners = fem::CornerShape<Element>::kNodes;
+  if constexpr (!fem::kSharesLoneCorners<Element>) {
+    return Eigen::MatrixXd::Identity(kCorners, kCorners);
+  } else {
+    fem::LoneCorners is_lone{};
+    for (std::size_t a = 0; a < kCorners; ++a) is_lone[a] = counts[std::size_t(nodes[a])] == 1;
+    return fem::pressure_functions(is_lone);
+  }
+}
+
+/// The nodes with a continuous pressure.
+Numbering pressure_nodes(const mesh::VolumeMesh& mesh, std::span<const int> counts) {
   Numbering corners{.of_node = std::vector<Index>(mesh.nodes_L.size(), -1)};
   for (const mesh::ElementBlock& block : mesh.blocks)
     for (Index e = 0; e < block.element_count(); ++e)
-      for (int a = 0; a < corner_count(block.shape); ++a) corners.add(block.element(e)[a]);
+      std::visit(
+          [&]<class Element>(const Element&) {
+            const Eigen::MatrixXd T = continuous_functions<Element>(block.element(e), counts);
+            for (Index a = 0; a < T.rows(); ++a)
+              if (!T.row(a).isZero()) corners.add(block.element(e)[a]);
+          },
+          fem::element_of(block.shape));
   return corners;
 }
 
@@ -67,7 +99,8 @@ class Builder {
       : mesh_(mesh),
         pressure_(pressure),
         free_(free_nodes(mesh, held)),
-        corners_(corner_nodes(mesh)) {
+        corner_elements_(elements_of_corners(mesh)),
+        corners_(pressure_nodes(mesh, corner_elements_)) {
     const Index per_element = pressure == PressureSpace::kElementLinear ? 4 : 1;
     const Index count = pressure == PressureSpace::kContinuous ? corners_.count
                                                                : per_element * mesh.element_count();
@@ -89,8 +122,8 @@ class Builder {
  private:
   /// Numbers of the pressures of one element, and their values at one point.
   struct Pressures {
-    std::vector<Index> numbers;
-    VectorX values;
+    std::vector<Index> numbers = {};
+    VectorX values = {};
   };
 
   /// \param X  nodes of the element [mm].
@@ -105,9 +138,16 @@ class Builder {
       values << 1.0, (X * N - X.rowwise().mean()) / size_mm;
       return {{4 * number, 4 * number + 1, 4 * number + 2, 4 * number + 3}, values};
     }
-    Pressures found{.numbers = {}, .values = fem::corner_functions<Element>(N)};
+    const VectorX values =
+        continuous_functions<Element>(nodes, corner_elements_) * fem::corner_functions<Element>(N);
+    Pressures found;
+    std::vector<double> kept;
     for (int a = 0; a < fem::CornerShape<Element>::kNodes; ++a)
-      found.numbers.push_back(corners_.of_node[std::size_t(nodes[a])]);
+      if (const Index of_corner = corners_.of_node[std::size_t(nodes[a])]; of_corner >= 0) {
+        found.numbers.push_back(of_corner);
+        kept.push_back(values[a]);
+      }
+    found.values = Eigen::Map<const VectorX>(kept.data(), Index(kept.size()));
     return found;
   }
 
@@ -143,7 +183,8 @@ class Builder {
   const mesh::VolumeMesh& mesh_;
   PressureSpace pressure_;
   Numbering free_;
-  Numbering corners_;
+  std::vector<int> corner_elements_;  ///< Elements whose corner each node is.
+  Numbering corners_;                 ///< The nodes with a continuous pressure.
   std::vector<Eigen::Triplet<double>> entries_;
   Matrices matrices_;
 };

@@ -13,7 +13,9 @@ namespace lefort::verify {
 enum class PressureSpace {
   kElementConstant,  ///< One per element.
   kElementLinear,    ///< 1, X, Y and Z per element; discontinuous.
-  kContinuous        ///< At the corner nodes, with the functions of the linear shape; continuous.
+  /// At the corner nodes, with the functions of the linear shape; continuous. Lone corners of hex20
+  /// have none (fem/locking/lone_corners.h).
+  kContinuous
 };
 
 /// Result of the test on one mesh.

@@ -23,12 +23,21 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
              : 1;
 }
 
-/// Order of the displacement in the L2 norm with mean dilatation. It is p + 1, with the degree p of
-/// the displacement, if the pressure has at least degree p - 1. tet10 and wedge15 have p = 2 and a
-/// constant pressure (fem/locking/volumetric_integration.h), which reduces the order by one
-/// (\cite boffi2013).
+/// Whether decoupled laws average J in this shape (fem/locking/volumetric_integration.h). The
+/// others lock near nu = 0.5.
+[[nodiscard]] constexpr bool averages_volume(mesh::ElementShape shape) {
+  return shape == mesh::ElementShape::kHex8 || degree(shape) == 2;
+}
+
+/// The shapes for which this is true.
+inline constexpr std::array<mesh::ElementShape, 4> kAveragedShapes{
+    mesh::ElementShape::kHex8, mesh::ElementShape::kTet10, mesh::ElementShape::kWedge15,
+    mesh::ElementShape::kHex20};
+
+/// Order of the displacement in the L2 norm with averaged volume: p + 1, with the degree p of the
+/// displacement, because the pressure has degree p - 1 (\cite boffi2013).
 [[nodiscard]] constexpr double averaged_order(mesh::ElementShape shape) {
-  return shape == mesh::ElementShape::kHex20 ? 3.0 : 2.0;
+  return degree(shape) + 1.0;
 }
 
 [[nodiscard]] inline std::string text_of(mesh::ElementShape shape) {

@@ -1,5 +1,5 @@
 /// \file
-/// Strain energy of elements of one shape at their quadrature points (volumetric_integration.h).
+/// Strain energy of elements of one shape with full integration (element_term.h).
 #pragma once
 
 #include <lefort/fem/assembly/element_energy.h>
@@ -9,16 +9,11 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements and points of c Psi(F) dV. For decoupled laws c < 1 if a
-/// SmoothedStrainTerm has the fraction 1 - c; otherwise c = 1. Psi lacks the volumetric part that
-/// AveragedNodalPressure has.
+/// W = sum over elements and points of Psi(F) dV.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:
-  /// \param data      the elements.
-  /// \param fraction  c of decoupled laws.
-  ContinuumTerm(ElementData<Element> data, double fraction)
-      : data_(std::move(data)), fraction_(fraction) {}
+  explicit ContinuumTerm(ElementData<Element> data) : data_(std::move(data)) {}
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
 
@@ -29,15 +24,12 @@ class ContinuumTerm final : public ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               LocalEquations& local) const override {
     const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
-    const Material& material = data_.material_of(item);
-    const double fraction = volumetric_part(material) == nullptr ? 1.0 : fraction_;
-    return add_strain_energy<Element>(material, LawPart::kWhole, fraction,
+    return add_strain_energy<Element>(data_.material_of(item), LawPart::kWhole,
                                       data_.points[std::size_t(item)], x, local);
   }
 
  private:
   ElementData<Element> data_;
-  double fraction_;
 };
 
 }  // namespace lefort::fem

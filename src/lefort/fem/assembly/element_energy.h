@@ -30,16 +30,15 @@ struct ElementData {
   }
 };
 
-/// Adds the energy fraction * (sum over points of Psi(F) dV), its forces and stiffness.
+/// Adds the energy, the sum over points of Psi(F) dV, its forces and stiffness.
 /// \param material  the law.
 /// \param part      Psi: the whole law or its isochoric part.
-/// \param fraction  factor of the energy.
 /// \param points    reference element.
 /// \param x         current positions of the nodes [mm].
 /// \param local     receives energy, forces and stiffness.
 /// \returns false if J <= 0 at a point, or NaN.
 template <class Element>
-bool add_strain_energy(const Material& material, LawPart part, double fraction,
+bool add_strain_energy(const Material& material, LawPart part,
                        const ReferenceElement<Element>& points,
                        const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
   Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
@@ -47,7 +46,7 @@ bool add_strain_energy(const Material& material, LawPart part, double fraction,
     const Mat3 F = deformation_gradient<Element>(x, point);
     if (!(volume_ratio(F) > 0.0)) return false;  // Also if NaN.
     const Mat3 P = stress(material, part, F);
-    const double dV = fraction * point.volume_mm3;
+    const double dV = point.volume_mm3;
     local.energy_mj += dV * energy(material, part, F);
     ElementNodes<Element> forces;
     multiply_columns(dV * P, point.dN_dX.data(), Element::kNodes, forces.data());

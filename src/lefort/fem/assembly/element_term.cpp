@@ -2,11 +2,9 @@
 #include <lefort/fem/assembly/continuum_term.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
-#include <lefort/fem/locking/averaged_nodal_pressure.h>
-#include <lefort/fem/locking/elements_in_thick_parts.h>
 #include <lefort/fem/locking/mean_dilatation_term.h>
-#include <lefort/fem/locking/smoothed_strain_term.h>
-#include <lefort/fem/locking/smoothing_domains.h>
+#include <lefort/fem/locking/nodal_pressure.h>
+#include <lefort/fem/locking/volumetric_split.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
@@ -91,16 +89,9 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
 template <class Element>
 Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                              BlockMaterials materials, Index first_number,
-                             VolumetricIntegration volumetric_integration,
-                             std::span<const char> is_in_thick_part) {
+                             VolumetricIntegration volumetric_integration) {
   LEFORT_CHECK(block.shape == Element::kShape);
-  const bool averages = volumetric_integration == VolumetricIntegration::kMeanDilatation &&
-                        std::ranges::any_of(materials.laws, [](const Material& law) {
-                          return volumetric_part(law) != nullptr;
-                        });
-  constexpr int kModes = kDilatationModes<Element>;
   std::vector<ReferenceElement<Element>> points;
-  std::vector<DilatationModes<Element>> modes;
   points.reserve(block.region.size());
   for (Index e = 0; e < block.element_count(); ++e) {
     ElementNodes<Element> X;
@@ -108,37 +99,31 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
       X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
     const auto reference = reference_element<Element>(X);
     if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
-    if constexpr (kSmoothingDomains < Element >> 0)
-      if (averages && !smoothing_domains<Element>(X))
-        return fault_of(mesh, block, e, first_number, ElementFault{});
     points.push_back(*reference);
-    if constexpr (kModes > 0)
-      if (averages) modes.push_back(dilatation_modes<Element>(X, *reference));
   }
   ElementData<Element> data{.nodes = block.nodes,
                             .points = std::move(points),
                             .materials = std::move(materials.laws),
                             .material = std::move(materials.of_element)};
-  if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
-  if constexpr (kModes > 0) {
-    return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes),
-                                                               is_in_thick_part);
-  } else {
-    constexpr double kFraction =
-        kSmoothingDomains < Element >> 0 ? kElementStabilizationFraction : 1.0;
-    for (Material& law : data.materials) law = element_law_without_nodal_part(law);
-    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), kFraction);
-  }
+  const bool averages = volumetric_integration == VolumetricIntegration::kMeanDilatation &&
+                        std::ranges::any_of(data.materials, [](const Material& law) {
+                          return volumetric_part(law) != nullptr;
+                        });
+  if constexpr (kVolumeAverage<Element> == VolumeAverage::kElement)
+    if (averages) return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data));
+  if constexpr (kVolumeAverage<Element> == VolumeAverage::kCornerNodes)
+    if (averages)  // NodalPressure has the rest.
+      for (Material& law : data.materials) law = law_at_points(law);
+  return std::make_unique<const ContinuumTerm<Element>>(std::move(data));
 }
 
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                               BlockMaterials materials, Index first_number,
-                              VolumetricIntegration volumetric_integration,
-                              std::span<const char> is_in_thick_part) {
+                              VolumetricIntegration volumetric_integration) {
   return std::visit(
       [&]<class Element>(const Element&) {
         return element_term<Element>(mesh, block, std::move(materials), first_number,
-                                     volumetric_integration, is_in_thick_part);
+                                     volumetric_integration);
       },
       element_of(block.shape));
 }
@@ -149,31 +134,20 @@ Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
                                                 const RegionMaterials& materials,
                                                 VolumetricIntegration volumetric_integration) {
   for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
-  const std::vector<char> inside = volumetric_integration == VolumetricIntegration::kMeanDilatation
-                                       ? elements_in_thick_parts(mesh)
-                                       : std::vector<char>();
   std::vector<TermPtr> terms;
   Index first_number = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
     const Index count = block.element_count();
     if (count == 0) continue;
     LEFORT_TRY(BlockMaterials of_block, block_materials(block, materials));
-    const auto inside_of_block =
-        inside.empty()
-            ? std::span<const char>()
-            : std::span<const char>(inside).subspan(std::size_t(first_number), std::size_t(count));
     LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number,
-                                           volumetric_integration, inside_of_block));
+                                           volumetric_integration));
     terms.push_back(std::move(term));
     first_number += count;
   }
   if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
-  if (volumetric_integration == VolumetricIntegration::kMeanDilatation) {
-    if (TermPtr shear = SmoothedStrainTerm::build(mesh, materials))
-      terms.push_back(std::move(shear));
-    if (TermPtr volume = AveragedNodalPressure::build(mesh, materials))
-      terms.push_back(std::move(volume));
-  }
+  if (volumetric_integration == VolumetricIntegration::kMeanDilatation)
+    if (TermPtr volume = NodalPressure::build(mesh, materials)) terms.push_back(std::move(volume));
   return terms;
 }
 

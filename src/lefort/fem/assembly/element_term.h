@@ -14,9 +14,8 @@
 
 namespace lefort::fem {
 
-/// One term per non-empty block of `mesh`, one for all smoothing domains and one for all nodal
-/// averages, if there are any. Total Lagrangian: gradients are computed once, in the reference
-/// configuration mesh.nodes_L.
+/// One term per non-empty block of `mesh`, and one for all nodal pressures, if any. Total
+/// Lagrangian: gradients are computed once, in the reference configuration mesh.nodes_L.
 ///
 /// \param mesh                    elements of any shapes; adjacent blocks should have matching
 ///   faces.
@@ -24,8 +23,7 @@ namespace lefort::fem {
 /// \param volumetric_integration  of decoupled laws.
 /// \returns the terms, which do not refer to `mesh` afterwards, or
 ///   - kElementInverted  the reference Jacobian of an element is not positive at a quadrature
-///     point, at a node or in a smoothing domain; the message has the number and the center of the
-///     element;
+///     point or at a node; the message has the number and the center of the element;
 ///   - kMeshInvalid      a node number, coordinate or list length is wrong, or there is no element;
 ///   - kInvalidArgument  a region has no material, or a constant of a material lies outside its
 ///     range.

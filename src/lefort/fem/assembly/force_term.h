@@ -12,9 +12,9 @@
 
 namespace lefort::fem {
 
-/// Max number of nodes of one local item. In a good tetrahedral mesh the elements around one node
-/// have fifteen to fifty nodes.
-inline constexpr int kMaxLocalNodes = 64;
+/// Max number of nodes of one local item. In a good mesh of tet10 the elements around one corner
+/// have 65 to 130 nodes.
+inline constexpr int kMaxLocalNodes = 192;
 
 /// Energy, residual and stiffness of one local item. The Assembler owns the memory and sets it to
 /// zero before evaluate().

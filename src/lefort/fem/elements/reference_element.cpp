@@ -1,6 +1,5 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/reference_element.h>
-#include <lefort/fem/locking/smoothing_domains.h>
 
 #include <algorithm>
 
@@ -60,7 +59,5 @@ template tl::expected<ReferenceElement<Wedge15>, ElementFault> reference_element
     const ElementNodes<Wedge15>&);
 template tl::expected<ReferenceElement<Hex20>, ElementFault> reference_element<Hex20>(
     const ElementNodes<Hex20>&);
-template tl::expected<ReferenceElement<internal::Wedge6OnFaces>, ElementFault>
-reference_element<internal::Wedge6OnFaces>(const ElementNodes<internal::Wedge6OnFaces>&);
 
 }  // namespace lefort::fem

@@ -45,7 +45,7 @@ struct ElementFault {
 /// of the whole polynomial could exclude this.) At the apex of a pyramid the Jacobian is not
 /// unique. Along each edge from the apex it is constant, so the check of the base covers it.
 ///
-/// Instances: the shapes of all_elements.h, and Wedge6OnFaces.
+/// Instances: the shapes of all_elements.h.
 ///
 /// \param X  reference positions of the nodes [mm].
 /// \returns gradients and volumes at the quadrature points, or the first invalid position.

@@ -12,39 +12,19 @@
 /// principle of Simo, Taylor and Pister by elimination of pressure and dilatation (\cite simo1985;
 /// \cite bonet2008, section 8.6.5).
 ///
-///     shape             average of J                       averages per interior node
+///     shape                     pressure                           inf-sup stable
 ///
-///     hex8              constant per element               1
-///     tet10, wedge15    constant per element; a part of    0.7, 0.4
-///                       U stays at the points
-///     hex20             linear in X per element            1 (4 per element)
-///     tet4, wedge6,     over the elements around a node;   1
-///       pyramid5        a part of U stays in the elements
+///     tet10, wedge15, hex20     continuous, at the corner nodes    yes
+///     hex8                      constant per element               no
+///     tet4, wedge6, pyramid5    none: U at the points; they lock   -
 ///
-/// A node has three degrees of freedom; too many averages per node lock.
-///
-/// **tet4, wedge6, pyramid5.** A mesh has five or six tetrahedra per node, so that a constant per
-/// element would lock. J is averaged around nodes (\cite bonet1998), here around the innermost
-/// nodes of each element (averaged_nodal_pressure.h). The part of U with the bulk modulus
-/// kNodalStabilizationFactor times the shear modulus stays in the elements for stability
-/// (\cite gee2009).
-///
-/// **tet10, wedge15.** One average per element does not resist a change of volume that is linear in
-/// the element: a single layer would bend far too easily. The part of U with the bulk modulus
-/// kPointwiseBulkFactor times the shear modulus therefore stays at the points. (Selective reduced
-/// integration, \cite malkus1978, averages only the term of lambda, which leaves a bulk modulus of
-/// 2/3 of the shear modulus at the points.) In parts more than one layer thick the factor is
-/// smaller, because it must not make a compressed block stiffer
-/// (tests/fem/test_compressed_block.cpp). In a single layer it is larger: the stiffness in bending
-/// is then that of a beam within 10 %, for wedge15 near nu = 0.5 within 20 %
-/// (docs/theory/locking.md). Wedge15 with a linear average locks. Hex20 with a constant average is
-/// less accurate.
-///
-/// **tet4 and wedge6 in bending.** They are too stiff even for compressible laws. Their strain
-/// energy is evaluated at averages of F over smoothing domains (smoothed_strain_term.h), except for
-/// the fraction kElementStabilizationFraction (\cite onishi2014; \cite liu2009, there in 2-D and
-/// without that fraction).
+/// The first row is the Taylor-Hood pair (\cite taylor1973; \cite boffi2013, chapter 8), with
+/// the pressure eliminated by nodal quadrature (nodal_pressure.h). It carries the term of lambda;
+/// the bulk modulus 2/3 mu stays at the points (volumetric_split.h). `lefort verify --only inf-sup`
+/// measures the inf-sup numbers. The method has no tuned constants.
 #pragma once
+
+#include <lefort/fem/elements/all_elements.h>
 
 namespace lefort::fem {
 
@@ -54,9 +34,22 @@ enum class VolumetricIntegration {
   kFullIntegration  ///< At each integration point; locks; for comparison.
 };
 
-/// Fraction of the strain energy of tet4 and wedge6 that is evaluated in the elements. Without it
-/// one element of a mesh could invert without resistance, while the averages with its neighbors
-/// stay admissible. docs/studies/locking-remedies.md compares values.
-inline constexpr double kElementStabilizationFraction = 0.05;
+/// Where J is averaged.
+enum class VolumeAverage {
+  kNone,         ///< Nowhere: U at the points.
+  kElement,      ///< One mean per element.
+  kCornerNodes,  ///< One mean per corner node, over the elements around it; lone_corners.h.
+};
+
+template <class Element>
+inline constexpr VolumeAverage kVolumeAverage = VolumeAverage::kNone;
+template <>
+inline constexpr VolumeAverage kVolumeAverage<Hex8> = VolumeAverage::kElement;
+template <>
+inline constexpr VolumeAverage kVolumeAverage<Tet10> = VolumeAverage::kCornerNodes;
+template <>
+inline constexpr VolumeAverage kVolumeAverage<Wedge15> = VolumeAverage::kCornerNodes;
+template <>
+inline constexpr VolumeAverage kVolumeAverage<Hex20> = VolumeAverage::kCornerNodes;
 
 }  // namespace lefort::fem

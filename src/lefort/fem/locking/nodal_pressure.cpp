@@ -1,19 +1,19 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/deformation.h>
-#include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/elements/corner_shape.h>
 #include <lefort/fem/elements/reference_element.h>
-#include <lefort/fem/locking/averaged_nodal_pressure.h>
-#include <lefort/fem/locking/dilatation_modes.h>
 #include <lefort/fem/locking/for_each_decoupled_element.h>
-#include <lefort/fem/materials/material_response.h>
+#include <lefort/fem/locking/lone_corners.h>
+#include <lefort/fem/locking/nodal_pressure.h>
+#include <lefort/fem/locking/volumetric_integration.h>
+#include <lefort/fem/locking/volumetric_split.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <numbers>
+#include <map>
+#include <numeric>
 #include <tuple>
-#include <type_traits>
 
 namespace lefort::fem {
 namespace {
@@ -23,48 +23,12 @@ struct ElementCorner {
   std::int32_t node;
   std::int32_t region;
   std::int32_t element;
-  std::size_t place;         ///< In the node lists of all elements.
-  double solid_angle = 0.0;  ///< At this node, in this element.
+  std::size_t place;    ///< In the corner lists of all elements.
+  std::int32_t corner;  ///< In the element.
 };
 
 bool are_in_one_patch(const ElementCorner& a, const ElementCorner& b) {
   return a.node == b.node && a.region == b.region;
-}
-
-/// Location of a node in the body, outermost first.
-enum class NodeLocation : std::uint8_t { kCorner, kEdge, kFace, kInterior };
-
-/// \param solid_angle  of the elements around the node. A cube has 1/8 of the full angle at a
-///   corner, 1/4 at an edge and 1/2 at a face; the thresholds are halfway. An interior node has all
-///   of it, except for round-off.
-NodeLocation location_of(double solid_angle) {
-  const double fraction = solid_angle / (4.0 * std::numbers::pi);
-  if (fraction < 0.1875) return NodeLocation::kCorner;
-  if (fraction < 0.375) return NodeLocation::kEdge;
-  return fraction < 0.999 ? NodeLocation::kFace : NodeLocation::kInterior;
-}
-
-/// \returns the solid angle between three edges (\cite vanoosterom1983).
-double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return 2.0 * std::atan2(std::abs(a.dot(b.cross(c))),
-                          la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
-}
-
-/// \returns the solid angle at node a, from the edges that meet there: no gap to the neighbors.
-template <class Element>
-double solid_angle_at(const ElementNodes<Element>& X, int a) {
-  const auto to = [&](int b) -> Vec3 { return X.col(b) - X.col(a); };
-  if constexpr (std::is_same_v<Element, Tet4>) {
-    return solid_angle(to((a + 1) % 4), to((a + 2) % 4), to((a + 3) % 4));
-  } else if constexpr (std::is_same_v<Element, Wedge6>) {
-    const int first = a < 3 ? 0 : 3;
-    return solid_angle(to(first + (a + 1) % 3), to(first + (a + 2) % 3), to((a + 3) % 6));
-  } else {
-    static_assert(std::is_same_v<Element, Pyramid5>);
-    if (a < 4) return solid_angle(to((a + 1) % 4), to((a + 3) % 4), to(4));
-    return solid_angle(to(0), to(1), to(2)) + solid_angle(to(0), to(2), to(3));
-  }
 }
 
 /// Adds factor * d2J/dx2: a displacement v of node b changes dJ/dx_a by v x (F (g_a x g_b)).
@@ -83,7 +47,7 @@ void add_geometric_stiffness(double factor, const Mat3& F, std::span<const Vec3>
 }  // namespace
 
 /// Collects the elements, then sorts their corners into patches.
-class AveragedNodalPressure::Builder {
+class NodalPressure::Builder {
  public:
   /// \param nodes  of the element.
   template <class Element>
@@ -95,32 +59,37 @@ class AveragedNodalPressure::Builder {
     const auto element = std::int32_t(term_->geometries_.size());
     term_->geometries_.push_back({.points = Element::kPoints,
                                   .nodes = Element::kNodes,
+                                  .corners = CornerShape<Element>::kNodes,
                                   .first_gradient = Index(term_->gradients_.size()),
-                                  .first_volume = Index(term_->volumes_mm3_.size())});
-    for (const ReferencePoint<Element>& point : *points) {
-      term_->volumes_mm3_.push_back(point.volume_mm3);
+                                  .first_weight = Index(term_->weights_mm3_.size())});
+    static const auto kQuadrature = Element::quadrature();
+    for (std::size_t q = 0; q < points->size(); ++q) {
+      const ReferencePoint<Element>& point = (*points)[q];
+      for (const double N : corner_functions<Element>(kQuadrature[q].N))
+        term_->weights_mm3_.push_back(N * point.volume_mm3);
       for (int a = 0; a < Element::kNodes; ++a) term_->gradients_.emplace_back(point.dN_dX.col(a));
     }
     first_node_.push_back(element_nodes_.size());
-    for (int a = 0; a < Element::kNodes; ++a) {
-      corners_.push_back(
-          {nodes[a], region, element, element_nodes_.size(), solid_angle_at<Element>(X, a)});
-      element_nodes_.push_back(nodes[a]);
-    }
+    shares_lone_corners_.push_back(kSharesLoneCorners<Element>);
+    element_nodes_.insert(element_nodes_.end(), nodes, nodes + Element::kNodes);
+    for (int a = 0; a < CornerShape<Element>::kNodes; ++a)
+      corners_.push_back({nodes[a], region, element, corner_count_++, a});
   }
 
   /// Call after each element of the mesh, whether or not it was added.
-  void end_element() { term_->end_of_corners_.push_back(std::int32_t(element_nodes_.size())); }
+  void end_element() { term_->end_of_corners_.push_back(std::int32_t(corner_count_)); }
 
-  std::unique_ptr<AveragedNodalPressure> build(const RegionMaterials& materials) {
+  std::unique_ptr<NodalPressure> build(const RegionMaterials& materials) {
     if (corners_.empty()) return nullptr;
     std::ranges::stable_sort(corners_, [](const ElementCorner& a, const ElementCorner& b) {
       return std::tie(a.node, a.region) < std::tie(b.node, b.region);
     });
-    keep_innermost_corners();
-    term_->patch_of_corner_.assign(element_nodes_.size(), -1);
+    term_->patch_of_corner_.assign(corner_count_, -1);
+    term_->fraction_of_corner_.assign(corner_count_, 0.0);
+    share_lone_corners();
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const ElementCorner& corner = corners_[k];
+      if (corner_volume_mm3(corner) == 0.0) continue;  // Without a pressure of its own.
       if (k == 0 || !are_in_one_patch(corners_[k - 1], corner) ||
           !nodes_.has_room_for(nodes_of(corner.element)))
         open_patch(materials.at(corner.region));
@@ -136,91 +105,110 @@ class AveragedNodalPressure::Builder {
             std::size_t(term_->geometries_[std::size_t(element)].nodes)};
   }
 
-  /// Removes all corners except those at the innermost nodes of each element. \pre sorted corners.
-  void keep_innermost_corners() {
-    std::vector<NodeLocation> locations(element_nodes_.size());
-    for (auto first = corners_.begin(); first != corners_.end();) {
-      const auto last = std::find_if_not(first, corners_.end(), [&](const ElementCorner& c) {
-        return are_in_one_patch(*first, c);
-      });
-      double sum = 0.0;
-      for (auto corner = first; corner != last; ++corner) sum += corner->solid_angle;
-      for (; first != last; ++first) locations[first->place] = location_of(sum);
+  /// \returns the integral of the pressure function of this corner over its element.
+  [[nodiscard]] double corner_volume_mm3(const ElementCorner& corner) const {
+    const ElementGeometry& element = term_->geometries_[std::size_t(corner.element)];
+    double sum_mm3 = 0.0;
+    for (std::int32_t q = 0; q < element.points; ++q)
+      sum_mm3 += term_->weight_mm3(element, q, corner.corner);
+    return sum_mm3;
+  }
+
+  /// Replaces the functions of elements with lone corners. Needs the sorted corners.
+  void share_lone_corners() {
+    std::map<std::int32_t, LoneCorners> lone_of_element;
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      const ElementCorner& corner = corners_[k];
+      const bool is_lone = (k == 0 || !are_in_one_patch(corners_[k - 1], corner)) &&
+                           (k + 1 == corners_.size() || !are_in_one_patch(corner, corners_[k + 1]));
+      if (is_lone && shares_lone_corners_[std::size_t(corner.element)])
+        lone_of_element.try_emplace(corner.element).first->second[std::size_t(corner.corner)] =
+            true;
     }
-    innermost_nodes_.resize(first_node_.size());
-    std::vector<NodeLocation> innermost(first_node_.size());
-    for (std::size_t element = 0; element < first_node_.size(); ++element) {
-      const std::span of_element(locations.data() + first_node_[element],
-                                 std::size_t(term_->geometries_[element].nodes));
-      innermost[element] = std::ranges::max(of_element);
-      innermost_nodes_[element] = double(std::ranges::count(of_element, innermost[element]));
+    for (const auto& [number, is_lone] : lone_of_element) {
+      const ElementGeometry& element = term_->geometries_[std::size_t(number)];
+      const Eigen::Matrix<double, 8, 8> T = pressure_functions(is_lone);
+      for (std::int32_t q = 0; q < element.points; ++q) {
+        Eigen::Map<Eigen::Matrix<double, 8, 1>> weights(
+            &term_->weights_mm3_[std::size_t(element.first_weight + Index(q) * element.corners)]);
+        weights = (T * weights).eval();
+      }
     }
-    std::erase_if(corners_, [&](const ElementCorner& corner) {
-      return locations[corner.place] < innermost[std::size_t(corner.element)];
-    });
   }
 
   void open_patch(const Material& material) {
     nodes_.open();
-    term_->patches_.push_back(
-        {.volume = split_volumetric(*volumetric_part(material), shear_modulus_at_rest(material),
-                                    kNodalStabilizationFactor)
-                       .of_mean,
-         .nodes = nodes_.last(),
-         .first_element = std::int32_t(term_->patch_elements_.size())});
+    term_->patches_.push_back({.volume = volumetric_of_pressure(material),
+                               .nodes = nodes_.last(),
+                               .first_element = std::int32_t(term_->patch_elements_.size())});
   }
 
   void add_to_patch(const ElementCorner& corner) {
     NodePatch& patch = term_->patches_.back();
     const ElementGeometry& element = term_->geometries_[std::size_t(corner.element)];
-    const double fraction = 1.0 / innermost_nodes_[std::size_t(corner.element)];
     term_->patch_elements_.push_back({.element = corner.element,
                                       .first_local = std::int32_t(term_->local_nodes_.size()),
-                                      .fraction = fraction});
+                                      .corner = corner.corner});
     ++patch.element_count;
     for (const std::int32_t node : nodes_of(corner.element))
       term_->local_nodes_.push_back(std::uint8_t(nodes_.add(node)));
     patch.nodes = nodes_.last();
-    for (std::int32_t q = 0; q < element.points; ++q)
-      patch.volume_mm3 += fraction * term_->volumes_mm3_[std::size_t(element.first_volume + q)];
+    const double volume_mm3 = corner_volume_mm3(corner);
+    patch.volume_mm3 += volume_mm3;
     term_->patch_of_corner_[corner.place] = std::int32_t(term_->patches_.size()) - 1;
+    term_->fraction_of_corner_[corner.place] = volume_mm3 / element_volume_mm3(element);
   }
 
-  std::unique_ptr<AveragedNodalPressure> term_{new AveragedNodalPressure()};
+  [[nodiscard]] double element_volume_mm3(const ElementGeometry& element) const {
+    const auto weights = std::span(term_->weights_mm3_)
+                             .subspan(std::size_t(element.first_weight),
+                                      std::size_t(element.points * element.corners));
+    return std::accumulate(weights.begin(), weights.end(), 0.0);
+  }
+
+  std::unique_ptr<NodalPressure> term_{new NodalPressure()};
   NodeListBuilder nodes_;
   std::vector<ElementCorner> corners_;
   std::vector<std::int32_t> element_nodes_;  ///< Of all elements.
   std::vector<std::size_t> first_node_;      ///< Of each element, in element_nodes_.
-  std::vector<double> innermost_nodes_;      ///< Of each element: number of its innermost nodes.
+  std::vector<bool> shares_lone_corners_;    ///< Of each element (lone_corners.h).
+  std::size_t corner_count_ = 0;             ///< Of all elements.
 };
 
-std::unique_ptr<AveragedNodalPressure> AveragedNodalPressure::build(
-    const mesh::VolumeMesh& mesh, const RegionMaterials& materials) {
+std::unique_ptr<NodalPressure> NodalPressure::build(const mesh::VolumeMesh& mesh,
+                                                    const RegionMaterials& materials) {
   Builder builder;
   for_each_decoupled_element(
       mesh, materials,
       [&]<class Element>(const Element&, auto nodes, std::int32_t region) {
-        if constexpr (kDilatationModes<Element> == 0)
+        if constexpr (kVolumeAverage<Element> == VolumeAverage::kCornerNodes)
           builder.template add_element<Element>(mesh, nodes, region);
       },
       [&] { builder.end_element(); });
   return builder.build(materials);
 }
 
-std::span<const std::int32_t> AveragedNodalPressure::nodes(Index item) const {
+std::span<const std::int32_t> NodalPressure::nodes(Index item) const {
   const NodePatch& patch = patches_[std::size_t(item)];
   return {patch_nodes_.data() + patch.nodes.first, std::size_t(patch.nodes.count)};
 }
 
-std::span<const std::int32_t> AveragedNodalPressure::patches_of(Index number) const {
-  const std::int32_t first = number == 0 ? 0 : end_of_corners_[std::size_t(number) - 1];
-  return {patch_of_corner_.data() + first,
-          std::size_t(end_of_corners_[std::size_t(number)] - first)};
+NodalPressure::State NodalPressure::mean_of(Index number, std::span<const State> of_items) const {
+  State mean;
+  const auto first = std::size_t(number == 0 ? 0 : end_of_corners_[std::size_t(number) - 1]);
+  for (std::size_t place = first; place < std::size_t(end_of_corners_[std::size_t(number)]);
+       ++place) {
+    if (patch_of_corner_[place] < 0) continue;
+    const State& state = of_items[std::size_t(patch_of_corner_[place])];
+    mean.pressure_mpa += fraction_of_corner_[place] * state.pressure_mpa;
+    mean.energy_density_mpa += fraction_of_corner_[place] * state.energy_density_mpa;
+  }
+  return mean;
 }
 
 template <class Function>
-void AveragedNodalPressure::for_each_point(const NodePatch& patch, std::span<const Vec3> x_L,
-                                           const Function& f) const {
+void NodalPressure::for_each_point(const NodePatch& patch, std::span<const Vec3> x_L,
+                                   const Function& f) const {
   for (std::int32_t m = patch.first_element; m < patch.first_element + patch.element_count; ++m) {
     const PatchElement& of_patch = patch_elements_[std::size_t(m)];
     const ElementGeometry& element = geometries_[std::size_t(of_patch.element)];
@@ -232,14 +220,13 @@ void AveragedNodalPressure::for_each_point(const NodePatch& patch, std::span<con
       Mat3 F = Mat3::Zero();
       for (std::size_t a = 0; a < gradients.size(); ++a)
         F.noalias() += x_L[local_nodes[a]] * gradients[a].transpose();
-      f(F, of_patch.fraction * volumes_mm3_[std::size_t(element.first_volume + q)], gradients,
-        local_nodes);
+      f(F, weight_mm3(element, q, of_patch.corner), gradients, local_nodes);
     }
   }
 }
 
-std::optional<double> AveragedNodalPressure::mean_change(const NodePatch& patch,
-                                                         std::span<const Vec3> x_L) const {
+std::optional<double> NodalPressure::mean_change(const NodePatch& patch,
+                                                 std::span<const Vec3> x_L) const {
   double sum_mm3 = 0.0;
   bool is_admissible = true;
   for_each_point(patch, x_L, [&](const Mat3& F, double weight_mm3, auto, auto) {
@@ -252,8 +239,7 @@ std::optional<double> AveragedNodalPressure::mean_change(const NodePatch& patch,
   return mean;
 }
 
-bool AveragedNodalPressure::evaluate(Index item, std::span<const Vec3> x_L,
-                                     LocalEquations& local) const {
+bool NodalPressure::evaluate(Index item, std::span<const Vec3> x_L, LocalEquations& local) const {
   const NodePatch& patch = patches_[std::size_t(item)];
   const std::optional<double> change = mean_change(patch, x_L);
   if (!change) return false;
@@ -278,8 +264,7 @@ bool AveragedNodalPressure::evaluate(Index item, std::span<const Vec3> x_L,
   return true;
 }
 
-AveragedNodalPressure::State AveragedNodalPressure::state(Index item,
-                                                          std::span<const Vec3> x_L) const {
+NodalPressure::State NodalPressure::state(Index item, std::span<const Vec3> x_L) const {
   const NodePatch& patch = patches_[std::size_t(item)];
   std::array<Vec3, kMaxLocalNodes> local_x_L;
   const std::span<const std::int32_t> nodes_of_patch = nodes(item);
