@@ -70,7 +70,7 @@ double rims(const Vec3& p, const HeadShape& s) {
 
 double maxilla(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p);
-  const Vec3 spine = in_plane(s.anterior_spine_mm), teeth = in_plane(s.incisors_mm);
+  const Vec3 spine = in_plane(s.anterior_spine_mm), teeth = in_plane(s.upper_incisors_mm);
   double bone =
       std::min(ellipsoid(q, Vec3(0, -50, -14) + 0.5 * spine, {43, 41, 29}), -48.0 - p.y());
   bone = join(bone, zygoma(q, s), 6.0);
@@ -102,7 +102,7 @@ double palate(const Vec3& p, const HeadShape& s) {
 }
 
 double upper_teeth(const Vec3& p, const HeadShape& s) {
-  const Vec3 q = folded(p), teeth = in_plane(s.incisors_mm);
+  const Vec3 q = folded(p), teeth = in_plane(s.upper_incisors_mm);
   const double incisors = ellipsoid(q, Vec3(0, -95, -44.5) + teeth, {9, 3.5, 7.5});
   const double arch = tube(
       q, {Vec3(0, -93, -45) + teeth, Vec3(15, -87, -45) + teeth, {25, -70, -45}, {28, -52, -44}},
@@ -117,7 +117,7 @@ constexpr double kCondyleRadius_mm = 5.0;
 
 /// Lower border and alveolar process of the body, and the ramus.
 double lower_jaw(const Vec3& p, const HeadShape& s) {
-  const Vec3 q = folded(p), chin = in_plane(s.chin_mm), angle = s.angle_mm;
+  const Vec3 q = folded(p), chin = in_plane(s.chin_mm), angle = s.gonion_mm;
   const double border =
       tube(q,
            {Vec3(0, -81, -87) + chin, Vec3(19, -75, -86) + chin,
@@ -162,7 +162,7 @@ double nose(const Vec3& p, const HeadShape& s) {
 /// Upper and lower lip rest on the upper incisors: stomion is 3 mm above their edge, the middle of
 /// the normal incisal display of 2 to 4 mm \cite arnett1993.
 double mouth(const Vec3& p, double body, const HeadShape& s) {
-  const Vec3 q = folded(p), lips = in_plane(s.incisors_mm) - Vec3(0, s.lips_mm, 0);
+  const Vec3 q = folded(p), lips = in_plane(s.upper_incisors_mm) - Vec3(0, s.lips_mm, 0);
   const Vec3 chin = in_plane(s.chin_mm);
   body = join(body, ellipsoid(q, Vec3(0, -100, -41.5) + lips, {19, 9, 8}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -98, -55.5) + lips, {18, 9, 7}), 4.0);
@@ -237,9 +237,9 @@ HeadShape draw_head_shape(std::uint64_t seed) {
   s.scale = Vec3::Ones() + vector(0.07, 0.07, 0.07);
   s.nasion_mm = vector(0, 2, 3);
   s.anterior_spine_mm = vector(0, 3, 2);
-  s.incisors_mm = vector(0, 3, 1);
+  s.upper_incisors_mm = vector(0, 3, 1);
   s.chin_mm = vector(2.5, 6, 4);
-  s.angle_mm = vector(3, 4, 4);
+  s.gonion_mm = vector(3, 4, 4);
   s.nose_mm = vector(0, 4, 4);
   s.zygion_mm = draw(4.0);
   s.orbit_mm = draw(1.5);

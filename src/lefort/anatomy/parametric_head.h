@@ -15,30 +15,32 @@
 
 namespace lefort::anatomy {
 
-/// Parameters of a head. Lengths are differences from the mean head [mm]; x is to the patient's
+/// Parameters of a head. Lengths are differences from the mean head [mm], before the scale. The x
+/// of nasion_mm, anterior_spine_mm, upper_incisors_mm and nose_mm has no effect; x is to the
+/// patient's
 /// left, y to posterior, z to superior.
 struct HeadShape {
   Vec3 scale = Vec3::Ones();  ///< Along x, y and z.
   Vec3 nasion_mm = Vec3::Zero();
   Vec3 anterior_spine_mm = Vec3::Zero();
-  Vec3 incisors_mm = Vec3::Zero();
-  Vec3 chin_mm = Vec3::Zero();       ///< Its x: the chin deviates to the left.
-  Vec3 angle_mm = Vec3::Zero();      ///< Of gonion; x is lateral on both sides.
-  Vec3 nose_mm = Vec3::Zero();       ///< Of the tip.
-  double zygion_mm = 0.0;            ///< Lateral, on both sides.
-  double orbit_mm = 0.0;             ///< Half height.
-  double lips_mm = 0.0;              ///< Anterior, relative to the incisors.
-  double palate_mm = 0.0;            ///< Length.
-  Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
+  Vec3 upper_incisors_mm = Vec3::Zero();  ///< The lips follow; the lower incisors do not move.
+  Vec3 chin_mm = Vec3::Zero();            ///< Its x: the chin deviates to the left.
+  Vec3 gonion_mm = Vec3::Zero();          ///< x is lateral on both sides.
+  Vec3 nose_mm = Vec3::Zero();            ///< Of the tip.
+  double zygion_mm = 0.0;                 ///< Lateral, on both sides.
+  double orbit_mm = 0.0;                  ///< Half height.
+  double lips_mm = 0.0;                   ///< Anterior, relative to the incisors.
+  double palate_mm = 0.0;                 ///< Length.
+  Vec3 rotation_rad = Vec3::Zero();       ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();
 };
 
-/// A random shape: uniform within limits that include the standard deviations of adult faces
-/// \cite farkas1994, heuristic; rotation up to 10 degrees about each axis.
+/// A random shape: uniform within heuristic limits, which include the standard deviations of adult
+/// faces \cite farkas1994; each component of the rotation vector is at most 10 degrees.
 [[nodiscard]] HeadShape draw_head_shape(std::uint64_t seed);
 
-/// The surfaces of a head as level-set functions, positive inside and exact to first order near
-/// zero for the mean shape [mm].
+/// The surfaces of a head as level-set functions, positive inside [mm]. Without scale and away from
+/// fillets, the value near a surface is the distance to it, to first order.
 class ParametricHead {
  public:
   explicit ParametricHead(const HeadShape& shape);
@@ -51,7 +53,8 @@ class ParametricHead {
   /// ears.
   [[nodiscard]] const RigidTransform& X_LH() const { return X_LH_; }
   [[nodiscard]] const HeadShape& shape() const { return shape_; }
-  /// The point in frame H of a point of the mean head, by the scale alone.
+  /// Applies only the scale to a point of the mean head, not the other parameters. \returns the
+  /// point in frame H.
   [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
 
  private:
@@ -64,9 +67,11 @@ struct NamedPoint {
   Vec3 point_L;
 };
 
-/// The true landmarks: extrema, on the level-set functions themselves, of the directions and chords
-/// that define them, in the frame of the true mid-sagittal plane and Frankfurt horizontal. They are
-/// found by steepest ascent from the points of which the head is made.
+/// The true landmarks, computed on the level-set functions in the frame of the true mid-sagittal
+/// plane and Frankfurt horizontal. Most are the surface point furthest in the direction, or from
+/// the chord, that defines them, found by steepest ascent. Po, En, Ex, Stm and Me' are the first
+/// surface points on a line; Ch is the end of the slit between the lips; PNS and Al are points from
+/// which the head is made.
 [[nodiscard]] std::vector<NamedPoint> true_landmarks(const ParametricHead& head);
 
 /// A scan of the head with noise, and its true labels. Partial volume follows the distance to the

@@ -96,7 +96,7 @@ class TrueLandmarks {
   /// A point of the lips of the mean head, moved by their parameters.
   [[nodiscard]] Vec3 lips(const Vec3& mean) const {
     const HeadShape& s = head_.shape();
-    return mean + Vec3(0.0, s.incisors_mm.y() - s.lips_mm, s.incisors_mm.z());
+    return mean + Vec3(0.0, s.upper_incisors_mm.y() - s.lips_mm, s.upper_incisors_mm.z());
   }
   [[nodiscard]] Vec3 direction(const Vec3& v_F) const { return (R_LF_ * v_F).normalized(); }
   [[nodiscard]] Vec3 left() const { return R_LF_.col(0); }
@@ -155,10 +155,11 @@ class TrueLandmarks {
     at_["ANS"] =
         climb_in_section(skull_, place({0, -94, -24}, s.anterior_spine_mm), {0, -0.94, 0.34});
     at_["PNS"] = place({0, -44.4 + s.palate_mm, -26.5 + s.anterior_spine_mm.z()});
-    const Vec3 crest = climb_in_section(skull_, place({0, -98, -44.5}, s.incisors_mm), anterior);
-    const Vec3 ridge = 0.5 * (s.anterior_spine_mm + s.incisors_mm);
+    const Vec3 crest =
+        climb_in_section(skull_, place({0, -98, -44.5}, s.upper_incisors_mm), anterior);
+    const Vec3 ridge = 0.5 * (s.anterior_spine_mm + s.upper_incisors_mm);
     at_["A"] = deepest(skull_, place({0, -89.5, -32}, ridge), at_.at("ANS"), crest);
-    at_["U1"] = climb_in_section(skull_, place({0, -95, -52}, s.incisors_mm), {0, 0, -1});
+    at_["U1"] = climb_in_section(skull_, place({0, -95, -52}, s.upper_incisors_mm), {0, 0, -1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
       at_["Zy" + side] =
@@ -186,8 +187,8 @@ class TrueLandmarks {
       at_["Co" + side] = climb(mandible_, place({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
       at_["Cdl" + side] = climb(mandible_, place({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
       at_["Cdm" + side] = climb(mandible_, place({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});
-      const Vec3 angle(sign * (50.0 + s.angle_mm.x()), -15.0 + s.angle_mm.y(),
-                       -66.0 + s.angle_mm.z());
+      const Vec3 angle(sign * (50.0 + s.gonion_mm.x()), -15.0 + s.gonion_mm.y(),
+                       -66.0 + s.gonion_mm.z());
       at_["Go" + side] = gonion(place(angle), at_.at("Co" + side));
     }
   }

@@ -22,8 +22,8 @@ double side_length(const TriangleMesh& mesh, Index triangle, int side) {
 /// Finds the normals that stand for triangles without area.
 class Beyond {
  public:
-  Beyond(const TriangleMesh& mesh, const EdgeIncidence& sides, std::span<const Vec3> of_face)
-      : mesh_(mesh), sides_(sides), of_face_(of_face) {}
+  Beyond(const TriangleMesh& mesh, const EdgeIncidence& edges, std::span<const Vec3> of_face)
+      : mesh_(mesh), sides_(edges), of_face_(of_face) {}
 
   /// The normal of a triangle at its edge `side`; if the triangle has no area, that of the triangle
   /// beyond it. A cap (three collinear corners) extends the neighbor at its longest edge, or, if
@@ -61,9 +61,9 @@ class Beyond {
         std::minmax(t[std::size_t(side)], t[std::size_t((side + 1) % 3)]);
     const HalfEdge* found = nullptr;
     sides_.for_each_edge_at(
-        smaller, [&, wanted = larger](std::int32_t, std::int32_t end, auto sides) {
+        smaller, [&, wanted = larger](std::int32_t, std::int32_t end, auto edges) {
           if (end != wanted) return;
-          for (const HalfEdge& s : sides) {
+          for (const HalfEdge& s : edges) {
             if (s.triangle() == triangle) continue;
             if (found == nullptr ||
                 (normal(found->triangle()).isZero() && !normal(s.triangle()).isZero()))
@@ -74,7 +74,7 @@ class Beyond {
   }
 
   const TriangleMesh& mesh_;
-  const EdgeIncidence& sides_;
+  const EdgeIncidence& edges_;
   std::span<const Vec3> of_face_;
 };
 
@@ -85,7 +85,7 @@ double corner_angle(const TriangleMesh& mesh, Index triangle, int corner) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// True if a sum of vectors with this total length is zero up to rounding, as for the two sides of
+/// True if a sum of vectors with this total length is zero up to rounding, as for the two edges of
 /// a sheet.
 bool cancels(const Vec3& sum, double length) { return !(sum.norm() > 1e-12 * length); }
 
@@ -96,7 +96,7 @@ Vec3 direction_of(const Vec3& sum) {
 
 /// An edge that is not shared by exactly two triangles with area.
 struct IrregularEdge {
-  std::span<const HalfEdge> sides;
+  std::span<const HalfEdge> edges;
 };
 
 }  // namespace
@@ -108,14 +108,14 @@ Vec3 face_normal(const TriangleMesh& mesh, Index triangle) {
   return (b - a).cross(c - a).normalized();
 }
 
-Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides)
+Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& edges)
     : of_face_(mesh.triangles.size()),
       at_vertex_(mesh.vertices.size()),
       opposite_triangle_(mesh.triangles.size()) {
   parallel_for(
       mesh.triangle_count(), [&](Index t) { of_face_[std::size_t(t)] = face_normal(mesh, t); },
       kBlock);
-  const Beyond beyond(mesh, sides, of_face_);
+  const Beyond beyond(mesh, edges, of_face_);
 
   const auto has_area = [&](const HalfEdge& s) {
     return !of_face_[std::size_t(s.triangle())].isZero();
@@ -125,7 +125,7 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& side
   };
   const auto odd_edges = parallel_collect<IrregularEdge>(
       mesh.vertex_count(), [&](Index vertex, std::vector<IrregularEdge>& odd) {
-        sides.for_each_edge_at(std::int32_t(vertex), [&](std::int32_t, std::int32_t, auto there) {
+        edges.for_each_edge_at(std::int32_t(vertex), [&](std::int32_t, std::int32_t, auto there) {
           if (there.size() == 2 && has_area(there[0]) && has_area(there[1])) {
             beyond_side(there[0]) = std::int32_t(there[1].triangle());
             beyond_side(there[1]) = std::int32_t(there[0].triangle());
@@ -136,14 +136,14 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& side
       });
   for (const IrregularEdge& edge : odd_edges) {
     Vec3 sum = Vec3::Zero();
-    for (const HalfEdge& s : edge.sides) {
+    for (const HalfEdge& s : edge.edges) {
       beyond_side(s) = ~std::int32_t(of_irregular_edge_.size());
       sum += beyond.normal_at_side(s.triangle(), s.side());
     }
-    of_irregular_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero())
+    of_irregular_edge_.push_back(cancels(sum, double(edge.edges.size())) ? Vec3(Vec3::Zero())
                                                                          : sum);
   }
-  find_corners(mesh, sides);
+  find_corners(mesh, edges);
 }
 
 /// Calls body(triangle, corner) for each triangle of the fan around a vertex; most vertices have
@@ -174,7 +174,7 @@ bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
 
 /// Finds the triangles at each vertex, and the normals of vertices that are not surrounded by one
 /// fan.
-void Pseudonormals::find_corners(const TriangleMesh& mesh, const EdgeIncidence& sides) {
+void Pseudonormals::find_corners(const TriangleMesh& mesh, const EdgeIncidence& edges) {
   for (std::int32_t t = std::int32_t(mesh.triangle_count()) - 1; t >= 0; --t)
     for (std::int32_t corner = 2; corner >= 0; --corner) {
       const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);
@@ -191,7 +191,7 @@ void Pseudonormals::find_corners(const TriangleMesh& mesh, const EdgeIncidence& 
   for (std::size_t i = 0; i < odd.size(); ++i)
     at_vertex_[std::size_t(odd[i])].first = ~std::int32_t(i);
   of_irregular_vertex_.assign(odd.size(), Vec3::Zero());
-  const Beyond beyond(mesh, sides, of_face_);
+  const Beyond beyond(mesh, edges, of_face_);
   for (std::int32_t t = 0; t < std::int32_t(mesh.triangle_count()); ++t)
     for (std::int32_t corner = 0; corner < 3; ++corner) {
       const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);

@@ -27,15 +27,16 @@ class Pseudonormals {
   /// Accepts any triangle soup: open, non-manifold, with triangles without area.
   ///
   /// Vertices are identified by number, so call weld_vertices() first if positions repeat. A
-  /// triangle without area has no normal; at its edges and corners the normal of the triangle
-  /// beyond it is used instead, so that caps and needles of a triangulation do not change the signs
-  /// of their neighbors.
+  /// triangle without area has no normal; at its edges and corners the normal of the neighbor that
+  /// it extends is used instead. A cap (three collinear corners) extends the neighbor at its
+  /// longest edge; a needle (one very short edge) extends those at its long edges. Neither then
+  /// changes the signs of its neighbors.
   ///
   /// \param mesh   the surface.
-  /// \param sides  its half-edges.
-  /// \pre check_surface(mesh) succeeds.
+  /// \param edges  its edges.
+  /// \pre check_surface(mesh) succeeds: valid vertex numbers and coordinates.
   explicit Pseudonormals(const TriangleMesh& mesh) : Pseudonormals(mesh, EdgeIncidence(mesh)) {}
-  Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides);
+  Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& edges);
 
   /// Pseudonormal of a feature. Face: unit normal, zero without area. Edge: sum of the unit normals
   /// of its faces. Vertex: unit vector (\cite lefort-paper, equation 1). Zero where the normals of
@@ -52,11 +53,12 @@ class Pseudonormals {
  private:
   /// The triangles at a vertex.
   struct Corners {
-    std::int32_t first = -1;  ///< 3 * triangle + corner; or ~position in of_irregular_vertex_.
+    /// 3 * triangle + corner; or the bitwise complement of a position in of_irregular_vertex_.
+    std::int32_t first = -1;
     std::int32_t count = 0;
   };
 
-  void find_corners(const TriangleMesh& mesh, const EdgeIncidence& sides);
+  void find_corners(const TriangleMesh& mesh, const EdgeIncidence& edges);
 
   template <class Body>
   bool walk_around(const TriangleMesh& mesh, std::int32_t vertex, const Body& body) const;
@@ -64,7 +66,8 @@ class Pseudonormals {
   std::vector<Vec3> of_face_;
   std::vector<Corners> at_vertex_;
   std::vector<Vec3> of_irregular_vertex_;
-  /// By triangle and side: the triangle beyond the edge, or ~position in of_irregular_edge_ if
+  /// By triangle and side: the triangle beyond the edge, or the bitwise complement of a position in
+  /// of_irregular_edge_ if
   /// there is none, there are several, or one of the two has no area.
   std::vector<std::array<std::int32_t, 3>> opposite_triangle_;
   std::vector<Vec3> of_irregular_edge_;

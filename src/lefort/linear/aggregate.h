@@ -31,7 +31,8 @@ using Modes = std::vector<Eigen::Matrix<double, kRows, 6>>;
 template <int kRows>
 struct CoarseSpace {
   BlockMatrix<kRows, 6> basis;  ///< One block per block row.
-  Modes<6> modes;  ///< The modes in the coarse space; basis * modes are the fine modes.
+  /// The modes in the coarse space; basis * modes are the modes given to coarse_space().
+  Modes<6> modes;
 };
 
 /// Builds the coarse space. A mode that, restricted to an aggregate, is a linear combination of the

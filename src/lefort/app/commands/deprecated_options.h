@@ -7,7 +7,8 @@
 namespace lefort::app {
 
 /// Adds the options of io::deprecated_options(), hidden, to the commands of `cli`, which must
-/// already have all other options. An old option takes the values of the new one; both together are
+/// already have all other options. An old option accepts the same values as the new one, and sets
+/// the new one; both together are
 /// a usage error.
 void add_deprecated_options(CLI::App& cli);
 

@@ -1,5 +1,6 @@
 /// \file
-/// Visits the elements of a mesh in order, those with a decoupled law by their shape.
+/// Visits the elements of a mesh in order. For those with a decoupled law, calls a function with
+/// the type of their shape.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -14,10 +15,10 @@ namespace lefort::fem {
 /// \param mesh       \pre every region has a material.
 /// \param materials  laws of the regions.
 /// \param take       take(Element{}, nodes, region): called for each element with a decoupled law.
-/// \param end        end(): called after every element of the mesh, whatever its law.
-template <class Take, class End>
+/// \param after_each  after_each(): called after every element of the mesh, whatever its law.
+template <class Take, class AfterEach>
 void for_each_decoupled_element(const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
-                                const Take& take, const End& end) {
+                                const Take& take, const AfterEach& after_each) {
   for (const mesh::ElementBlock& block : mesh.blocks)
     for (Index e = 0; e < block.element_count(); ++e) {
       const std::int32_t region = block.region[std::size_t(e)];
@@ -26,7 +27,7 @@ void for_each_decoupled_element(const mesh::VolumeMesh& mesh, const RegionMateri
       if (volumetric_part(material->second) != nullptr)
         std::visit([&](const auto& element) { take(element, block.element(e), region); },
                    element_of(block.shape));
-      end();
+      after_each();
     }
 }
 

@@ -43,7 +43,8 @@ class EisenstatWalkerTolerance {
       : max_(options.max_linear_tolerance), min_(options.min_linear_tolerance) {}
 
   /// \param residual_n   |r| at the start of the step.
-  /// \param converged_n  |r| at which Newton's method converges.
+  /// \param converged_n  |r| at which Newton's method converges. The tolerance is not less than
+  ///   kOversolvingFraction times converged_n / residual_n, within the limits of the options.
   /// \returns the relative tolerance.
   double next(double residual_n, double converged_n);
 

@@ -5,7 +5,7 @@
 namespace lefort::pipeline {
 
 std::string text_of(const mesh::FinishedSurface& surface) {
-  return fmt::format("{} triangles, {}, {} crossing{}, P99 {:.2f} mm off the isosurface",
+  return fmt::format("{} triangles, {}, {} self-intersection{}, P99 {:.2f} mm off the isosurface",
                      surface.mesh_L.triangle_count(), surface.is_closed ? "closed" : "open",
                      surface.self_intersections, surface.self_intersections == 1 ? "" : "s",
                      surface.p99_off_mm);

@@ -10,7 +10,7 @@
 
 namespace lefort::pipeline {
 
-/// "164312 triangles, closed, 0 crossings, P99 0.12 mm off the isosurface".
+/// "164312 triangles, closed, 0 self-intersections, P99 0.12 mm off the isosurface".
 [[nodiscard]] std::string text_of(const mesh::FinishedSurface& surface);
 [[nodiscard]] nlohmann::json json_of(const mesh::FinishedSurface& surface);
 

@@ -1,5 +1,6 @@
 /// \file
-/// Authorization of requests by their header, before the body is read.
+/// Checks the header of a request before the body is read: length of the path, host, origin, token,
+/// then method, encoding and length of the body, before the body is read.
 #pragma once
 
 #include <lefort/server/api/message.h>
@@ -20,7 +21,7 @@ struct Credentials {
 /// ASCII text in lower case, for names of hosts and headers.
 [[nodiscard]] std::string lower_case(std::string text);
 
-/// \returns the error response of a rejected request, or nothing.
+/// \returns the error response if one of these checks fails, or nothing.
 [[nodiscard]] std::optional<Response> authorize_request(const httplib::Request& request,
                                                         const Credentials& ours);
 
