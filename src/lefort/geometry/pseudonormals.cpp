@@ -23,7 +23,7 @@ double side_length(const TriangleMesh& mesh, Index triangle, int side) {
 class Beyond {
  public:
   Beyond(const TriangleMesh& mesh, const EdgeIncidence& edges, std::span<const Vec3> of_face)
-      : mesh_(mesh), sides_(edges), of_face_(of_face) {}
+      : mesh_(mesh), edges_(edges), of_face_(of_face) {}
 
   /// The normal of a triangle at its edge `side`; if the triangle has no area, that of the triangle
   /// beyond it. A cap (three collinear corners) extends the neighbor at its longest edge, or, if
@@ -60,7 +60,7 @@ class Beyond {
     const auto [smaller, larger] =
         std::minmax(t[std::size_t(side)], t[std::size_t((side + 1) % 3)]);
     const HalfEdge* found = nullptr;
-    sides_.for_each_edge_at(
+    edges_.for_each_edge_at(
         smaller, [&, wanted = larger](std::int32_t, std::int32_t end, auto edges) {
           if (end != wanted) return;
           for (const HalfEdge& s : edges) {
