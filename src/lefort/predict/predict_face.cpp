@@ -180,7 +180,9 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
 
 Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
   const mesh::VolumeMesh& tissue = model_.tissue;
-  const bool is_sliding = !tissue.face_sets.at(sets::kContact).empty();
+  const bool is_sliding = options_.boundary.interface != TissueInterface::kBonded ||
+                          !nodes_painted(tissue, BoundaryLabel::kContact).empty() ||
+                          !nodes_painted(tissue, BoundaryLabel::kElevated).empty();
   const auto stationary_faces = tissue.face_sets.find(sets::kStationaryContact);
   const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
   const bool needs_stationary = slides_on_stationary || slides_on_stationary_bone(model_.interface);
