@@ -1,5 +1,6 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/deprecated_options.h>
+#include <lefort/app/reference/reference_options.h>
 #include <lefort/app/run_program.h>
 #include <lefort/core/printable.h>
 #include <lefort/core/version.h>
@@ -28,6 +29,7 @@ int run_command(int argc, char** argv) {
       ->capture_default_str();
   cli.add_flag("--json", context.json, "Print the summary as JSON");
   cli.add_flag("--quiet", context.quiet, "Show no progress");
+  cli.add_flag("--slicer-progress", context.slicer_progress)->group("");  // docs/guide/slicer.md
   cli.failure_message([](const CLI::App* app, const CLI::Error& error) {
     return fmt::format("{}: {} (see {} --help)\n", app->get_name(), error.what(), app->get_name());
   });
@@ -46,6 +48,7 @@ int run_command(int argc, char** argv) {
   add_bench_command(cli, context);
   add_verify_command(cli, context);
   add_deprecated_options(cli);
+  add_reference_options(cli);
 
   try {
     cli.parse(argc, argv);

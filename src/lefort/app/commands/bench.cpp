@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/bench/detection.h>
 #include <lefort/bench/field_process.h>
 #include <lefort/bench/field_scaling.h>
@@ -17,10 +18,13 @@ void add_table1(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::Table1Options>();
   CLI::App* const command = bench.add_subcommand(
       "table1", "Reproduce the paper's Table 1: distance fields of a skull, with other libraries");
-  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
-  command
-      ->add_option("-o,--output", options->output,
-                   "Folder for skull.vtp (used again if there) and table1.md, .csv, .json, .html")
+  mark_path(command->add_option("ct", options->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option(
+                "-o,--output", options->output,
+                "Folder for skull.vtp (used again if there) and table1.md, .csv, .json, .html"),
+            PathKind::kNewFolder)
       ->required();
   command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
       ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
@@ -47,10 +51,13 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
   CLI::App* const command = bench.add_subcommand(
       "scaling",
       "Measure how distance fields of a skull scale with band, resolution and triangles");
-  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
-  command
-      ->add_option("-o,--output", options->output,
-                   "Folder for skull.vtp (used again if there) and scaling.md, .csv, .json, .html")
+  mark_path(command->add_option("ct", options->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option(
+                "-o,--output", options->output,
+                "Folder for skull.vtp (used again if there) and scaling.md, .csv, .json, .html"),
+            PathKind::kNewFolder)
       ->required();
   command->add_option("--band", options->bands, "Half widths of the band, in cells")
       ->check(CLI::Range(2, 24))
@@ -82,11 +89,14 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
   const auto no_synthetic = std::make_shared<bool>(false);
   CLI::App* const command = bench.add_subcommand(
       "convergence", "Reproduce the paper's Figure 5: contact detection by fields and by a BVH");
-  command->add_option("plans", job->plans, "Plan files; none: only the synthetic cases");
-  command->add_option("--ct", job->ct, "The scan, instead of the ones the plans name");
-  command
-      ->add_option("-o,--output", job->output,
-                   "Folder for convergence.md, .csv, plots, and the cache of prepared cases")
+  mark_path(command->add_option("plans", job->plans, "Plan files; none: only the synthetic cases"),
+            PathKind::kPlan);
+  mark_path(command->add_option("--ct", job->ct, "The scan, instead of the ones the plans name"),
+            PathKind::kScan);
+  mark_path(command->add_option(
+                "-o,--output", job->output,
+                "Folder for convergence.md, .csv, plots, and the cache of prepared cases"),
+            PathKind::kNewFolder)
       ->required();
   command->add_option("--method", job->methods, "Which to run, by name; all unless given");
   command
@@ -129,9 +139,13 @@ void add_landmarks(CLI::App& bench, CommandContext& context) {
   command->add_option("--noise", job->noise_hu, "Standard deviation of the noise [HU]")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str();
-  command->add_option("-o,--output", job->output, "The errors, .csv")->required();
-  command->add_option("--scans", job->scans,
-                      "Folder for scans, labels and true landmarks; not written unless given");
+  mark_path(command->add_option("-o,--output", job->output, "The errors, .csv"),
+            PathKind::kNewTable)
+      ->required();
+  mark_path(
+      command->add_option("--scans", job->scans,
+                          "Folder for scans, labels and true landmarks; not written unless given"),
+      PathKind::kNewFolder);
   command->footer("Example:\n  lefort bench landmarks --heads 50 -o landmark_errors.csv");
   command->callback([job, &context] {
     context.run("bench landmarks",
@@ -144,10 +158,12 @@ void add_detection(CLI::App& bench, CommandContext& context) {
   CLI::App* const command = bench.add_subcommand(
       "detection",
       "Measure contact detection with a skull: fields and bounding volume hierarchies");
-  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
-  command
-      ->add_option("-o,--output", options->output,
-                   "Folder for skull.vtp (used again if there) and detection.md")
+  mark_path(command->add_option("ct", options->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option("-o,--output", options->output,
+                                "Folder for skull.vtp (used again if there) and detection.md"),
+            PathKind::kNewFolder)
       ->required();
   command->add_option("--points", options->points, "Points in a query")
       ->check(CLI::Range(1, 100'000'000))
@@ -169,7 +185,8 @@ void add_solve(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::SolveOptions>();
   CLI::App* const command = bench.add_subcommand(
       "solve", "Solve blocks of soft tissue: compared with CalculiX, and of increasing size");
-  command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json")
+  mark_path(command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json"),
+            PathKind::kNewFolder)
       ->required();
   command->add_option("--repeats", options->repeats, "Runs of CalculiX and of lefort; 0: none")
       ->check(CLI::Range(0, 100))

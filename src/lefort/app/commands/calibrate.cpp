@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/validate.h>
 
 #include <memory>
@@ -9,8 +10,12 @@ void add_calibrate_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::CalibrateJob>();
   CLI::App* const command = cli.add_subcommand(
       "calibrate", "Fit parameters of the prediction to a cohort, with cross-validation");
-  command->add_option("cohort", job->cohort, "Folder of case folders, as for validate")->required();
-  command->add_option("-o,--output", job->output, "Folder for the report, not inside the cohort")
+  mark_path(command->add_option("cohort", job->cohort, "Folder of case folders, as for validate"),
+            PathKind::kFolder)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for the report, not inside the cohort"),
+            PathKind::kNewFolder)
       ->required();
   command
       ->add_option(

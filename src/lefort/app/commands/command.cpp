@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/slicer_progress.h>
 #include <lefort/app/commands/terminal_progress.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/printable.h>
@@ -12,7 +13,10 @@ void CommandContext::run(const std::string& command,
   const ThreadLimit limit(threads);
   stop_on_interrupt();
   Result<pipeline::Summary> summary;
-  {
+  if (slicer_progress) {
+    SlicerProgress progress;
+    summary = work(progress);
+  } else {
     TerminalProgress progress(quiet);
     summary = work(progress);
   }

@@ -21,6 +21,7 @@ struct CommandContext {
   int threads = 0;  ///< 0: as many as the machine has.
   bool json = false;
   bool quiet = false;
+  bool slicer_progress = false;  ///< Progress on stdout, for 3D Slicer.
   int exit_code = kExitDone;
 
   /// Runs `work` with progress on stderr, prints its summary on stdout or its error on stderr, and

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/field.h>
 
 #include <filesystem>
@@ -29,9 +30,12 @@ void add_build(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<pipeline::BuildFieldJob>();
   CLI::App* const command =
       field.add_subcommand("build", "Compute the signed distance field of a surface");
-  command->add_option("surface", job->surface, "Bone surface: .vtp, .stl, .ply or .obj")
+  mark_path(command->add_option("surface", job->surface, "Bone surface: .vtp, .stl, .ply or .obj"),
+            PathKind::kSurface)
       ->required();
-  command->add_option("-o,--output", job->output, "Field to write: .field")->required();
+  mark_path(command->add_option("-o,--output", job->output, "Field to write: .field"),
+            PathKind::kNewField)
+      ->required();
   command
       ->add_option("--resolution", job->options.resolution,
                    "Cells along each side of the cube around the surface")
@@ -63,7 +67,8 @@ void add_build(CLI::App& field, CommandContext& context) {
                                               {"hybrid", field::FieldMethod::kHybrid},
                                               {"adaptive", field::FieldMethod::kAdaptive},
                                               {"uniform", field::FieldMethod::kUniform}}))
-      ->type_name("TEXT");
+      ->type_name("TEXT")
+      ->default_str("bricks");
   command->add_flag("--smooth", job->options.smooth,
                     "Also prepare the differentiable reconstruction");
   command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
@@ -77,12 +82,16 @@ void add_query(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<pipeline::QueryFieldJob>();
   CLI::App* const command =
       field.add_subcommand("query", "Distance, gradient and zone of points in a field");
-  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
-  command
-      ->add_option("points", job->points,
-                   "Text file: x y z [mm, LPS] a line, separated by commas or spaces")
+  mark_path(command->add_option("field", job->field, "Field made by `lefort field build`"),
+            PathKind::kField)
       ->required();
-  command->add_option("-o,--output", job->output, "Table to write: .csv")->required();
+  mark_path(command->add_option("points", job->points,
+                                "Text file: x y z [mm, LPS] a line, separated by commas or spaces"),
+            PathKind::kPoints)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Table to write: .csv"),
+            PathKind::kNewTable)
+      ->required();
   command->add_flag("--smooth", job->smooth,
                     "Use the differentiable reconstruction instead of the trilinear one");
   command->footer("Example:\n  lefort field query skull.field points.csv -o distances.csv");
@@ -96,17 +105,20 @@ void add_region(CLI::App& command, std::vector<double>& region_mm) {
   command
       .add_option("--region", region_mm,
                   "Only this box [mm, LPS]: from and to along x, y and z, six numbers")
-      ->expected(6);
+      ->expected(6)
+      ->delimiter(',');
 }
 
 void add_export(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<pipeline::ExportFieldJob>();
   CLI::App* const command =
       field.add_subcommand("export", "The field as an OpenVDB level set or an NRRD volume");
-  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
-  command
-      ->add_option("-o,--output", job->output,
-                   "File to write: .vdb (sparse) or .nrrd (every sample of the box)")
+  mark_path(command->add_option("field", job->field, "Field made by `lefort field build`"),
+            PathKind::kField)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output,
+                                "File to write: .vdb (sparse) or .nrrd (every sample of the box)"),
+            PathKind::kNewExport)
       ->required();
   add_region(*command, job->region_mm);
   command->add_option("--stride", job->every, "Each n-th sample along each axis")
@@ -128,8 +140,12 @@ void add_export(CLI::App& field, CommandContext& context) {
 void add_slice(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SliceFieldJob>();
   CLI::App* const command = field.add_subcommand("slice", "A picture of a plane through the field");
-  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
-  command->add_option("-o,--output", job->output, "Picture to write: .png")->required();
+  mark_path(command->add_option("field", job->field, "Field made by `lefort field build`"),
+            PathKind::kField)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Picture to write: .png"),
+            PathKind::kNewPicture)
+      ->required();
   command
       ->add_option("--axis", job->axis,
                    "Axis across the plane: x (sagittal), y (coronal) or z (axial)")
@@ -146,8 +162,9 @@ void add_slice(CLI::App& field, CommandContext& context) {
       ->check(CLI::Range(1, 2048))
       ->excludes(width);
   add_region(*command, job->region_mm);
-  command->add_option("--mesh", job->mesh,
-                      "Surface whose section is drawn: .vtp, .stl, .ply or .obj");
+  mark_path(command->add_option("--mesh", job->mesh,
+                                "Surface whose section is drawn: .vtp, .stl, .ply or .obj"),
+            PathKind::kSurface);
   command->add_flag("--smooth", job->smooth,
                     "Use the differentiable reconstruction instead of the trilinear one");
   command->footer(
@@ -167,7 +184,9 @@ void add_info(CLI::App& field, CommandContext& context) {
   const auto file = std::make_shared<std::filesystem::path>();
   CLI::App* const command =
       field.add_subcommand("info", "Show the kind, size and checksum of a field");
-  command->add_option("field", *file, "Field made by `lefort field build`")->required();
+  mark_path(command->add_option("field", *file, "Field made by `lefort field build`"),
+            PathKind::kField)
+      ->required();
   command->footer("Example:\n  lefort field info skull.field --json");
   command->callback([file, &context] {
     context.run("field info",

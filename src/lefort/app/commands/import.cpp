@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/import.h>
 
 #include <cstdlib>
@@ -21,13 +22,15 @@ void add_import_command(CLI::App& cli, CommandContext& context) {
   const auto list = std::make_shared<bool>(false);
   CLI::App* const command =
       cli.add_subcommand("import", "Read a head CT from any format into one HU volume (LPS, mm)");
-  command
-      ->add_option("source", job->source,
-                   "DICOM folder, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, InVesalius .inv3, or "
-                   "dicomweb://HOST:PORT/ROOT/studies/UID[/series/UID]")
+  mark_path(command->add_option(
+                "source", job->source,
+                "DICOM folder, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, InVesalius .inv3, or "
+                "dicomweb://HOST:PORT/ROOT/studies/UID[/series/UID]"),
+            PathKind::kScanSource)
       ->required();
-  CLI::Option* const output =
-      command->add_option("-o,--output", job->output, "Volume to write: .nrrd, .nii.gz or .mha");
+  CLI::Option* const output = mark_path(
+      command->add_option("-o,--output", job->output, "Volume to write: .nrrd, .nii.gz or .mha"),
+      PathKind::kNewVolume);
   command
       ->add_option("--series", job->series,
                    "Number of the series of a DICOM folder or study, as in --list; 0: the only CT")

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/plan.h>
 
 #include <memory>
@@ -10,21 +11,29 @@ void add_landmarks_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const command =
       cli.add_subcommand("landmarks", "Find landmarks; angles and distances between them");
   CLI::Option* const before =
-      command->add_option("landmarks", job->before, "Landmarks, .mrk.json (3D Slicer) or .csv");
+      mark_path(command->add_option("landmarks,--landmarks", job->before,
+                                    "Landmarks, .mrk.json (3D Slicer) or .csv"),
+                PathKind::kLandmarks);
   CLI::Option* const find =
-      command
-          ->add_option("--find", job->find,
-                       "Instead of a file: find the landmarks in this scan, anything `lefort "
-                       "import` reads")
+      mark_path(command->add_option(
+                    "--find", job->find,
+                    "Instead of a file: find the landmarks in this scan, anything `lefort "
+                    "import` reads"),
+                PathKind::kScan)
           ->excludes(before);
-  command
-      ->add_option("--labels", job->labels,
-                   "Segmentation of that scan, .seg.nrrd; segmented automatically unless given")
+  mark_path(command->add_option(
+                "--labels", job->labels,
+                "Segmentation of that scan, .seg.nrrd; segmented automatically unless given"),
+            PathKind::kLabels)
       ->needs(find);
-  command->add_option("--after", job->after, "The same landmarks after surgery");
-  command->add_option("-o,--output", job->output, "The cephalometric table, .csv");
-  command->add_option("--save", job->save,
-                      "Write the landmarks (those of --after, if given) as .mrk.json or .csv");
+  mark_path(command->add_option("--after", job->after, "The same landmarks after surgery"),
+            PathKind::kLandmarks);
+  mark_path(command->add_option("-o,--output", job->output, "The cephalometric table, .csv"),
+            PathKind::kNewTable);
+  mark_path(
+      command->add_option("--save", job->save,
+                          "Write the landmarks (those of --after, if given) as .mrk.json or .csv"),
+      PathKind::kNewLandmarks);
   command->footer(
       "Examples:\n"
       "  lefort landmarks before.mrk.json --after after.mrk.json -o table.csv\n"

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/import.h>
 #include <lefort/pipeline/validate.h>
 
@@ -40,9 +41,10 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
   cohort->cases = 0;
   CLI::App* const command = cli.add_subcommand(
       "phantom", "Write DICOM files of a synthetic head, to try lefort without a patient");
-  command
-      ->add_option("-o,--output", job->output,
-                   "Folder for dicom/ and labels.seg.nrrd, the true labels; or for the cohort")
+  mark_path(command->add_option(
+                "-o,--output", job->output,
+                "Folder for dicom/ and labels.seg.nrrd, the true labels; or for the cohort"),
+            PathKind::kNewFolder)
       ->required();
   const std::map<std::string, pipeline::PhantomVariant> variants{
       {"plain", pipeline::PhantomVariant::kPlain},
@@ -50,16 +52,19 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
       {"shuffled", pipeline::PhantomVariant::kShuffled},
       {"oblique", pipeline::PhantomVariant::kOblique},
       {"feet-first", pipeline::PhantomVariant::kFeetFirst}};
-  command->add_option("--variant", job->variant, "How it is scanned; default: plain")
+  command->add_option("--variant", job->variant, "How it is scanned")
       ->transform(CLI::CheckedTransformer(variants).description(
-          "{plain,tilted,shuffled,oblique,feet-first}"));
+          "{plain,tilted,shuffled,oblique,feet-first}"))
+      ->type_name("TEXT")
+      ->default_str("plain");
   const std::map<std::string, pipeline::PhantomHead> heads{
       {"simple", pipeline::PhantomHead::kSimple}, {"teeth", pipeline::PhantomHead::kTeeth}};
   command
       ->add_option("--head", job->head,
-                   "Simple shapes, or with orbits, nose, teeth, lips and known landmarks; default: "
-                   "simple")
-      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth}"));
+                   "Simple shapes, or with orbits, nose, teeth, lips and known landmarks")
+      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth}"))
+      ->type_name("TEXT")
+      ->default_str("simple");
   CLI::Option* const voxel = command
                                  ->add_option("--voxel", job->voxel_mm,
                                               "Edge of a voxel [mm]; default: 1.4, of a cohort 2")

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/plan.h>
 
 #include <memory>
@@ -13,13 +14,19 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(
       "check", "Check bone overlap, gaps and support of segments, without a prediction");
-  command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
-  command->add_option("-o,--output", job->output, "Folder for the results")->required();
+  mark_path(command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)"),
+            PathKind::kPlan)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Folder for the results"),
+            PathKind::kNewFolder)
+      ->required();
   CLI::Option* const ct =
-      command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
-  command
-      ->add_option("--skull", job->skull,
-                   "Instead of a scan, a closed surface of the bone: .vtp, .stl, .ply or .obj")
+      mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
+                PathKind::kScan);
+  mark_path(command->add_option(
+                "--skull", job->skull,
+                "Instead of a scan, a closed surface of the bone: .vtp, .stl, .ply or .obj"),
+            PathKind::kSurface)
       ->excludes(ct);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone overlap [mm]")

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/predict.h>
 
 #include <memory>
@@ -11,9 +12,14 @@ void add_predict_command(CLI::App& cli, CommandContext& context) {
   const auto no_sensitivity = std::make_shared<bool>(false);
   CLI::App* const command =
       cli.add_subcommand("predict", "Predict the face after the planned bone movements");
-  command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
-  command->add_option("-o,--output", job->output, "Folder for the results")->required();
-  command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
+  mark_path(command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)"),
+            PathKind::kPlan)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Folder for the results"),
+            PathKind::kNewFolder)
+      ->required();
+  mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
+            PathKind::kScan);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->add_flag("--no-sensitivity", *no_sensitivity,
                     "Skip the comparison of bonded and contact interfaces on a coarse mesh");

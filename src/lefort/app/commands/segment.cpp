@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/segment.h>
 
 #include <map>
@@ -11,10 +12,13 @@ void add_segment_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SegmentJob>();
   CLI::App* const command =
       cli.add_subcommand("segment", "Segment bone, mandible, teeth, soft tissue, brain and air");
-  command->add_option("ct", job->ct, "The scan: anything `lefort import` reads")->required();
-  command
-      ->add_option("-o,--output", job->output,
-                   "Folder for labels.seg.nrrd and teeth.seg.nrrd (3D Slicer), skull.vtp, skin.vtp")
+  mark_path(command->add_option("ct", job->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option(
+                "-o,--output", job->output,
+                "Folder for labels.seg.nrrd and teeth.seg.nrrd (3D Slicer), skull.vtp, skin.vtp"),
+            PathKind::kNewFolder)
       ->required();
   CLI::Option* const bone_hu =
       command->add_option("--bone-hu", job->options.bone_hu, "Lower threshold of bone [HU]")

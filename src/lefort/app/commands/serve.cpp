@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/server/serve_case.h>
 
 #include <fmt/format.h>
@@ -11,7 +12,8 @@ void add_serve_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<server::ServeJob>();
   CLI::App* const command =
       cli.add_subcommand("serve", "Plan in a browser: a local page over a case folder");
-  command->add_option("case", job->folder, "The case's folder; made if missing")
+  mark_path(command->add_option("case", job->folder, "The case's folder; made if missing"),
+            PathKind::kNewFolder)
       ->capture_default_str();
   command->add_option("--port", job->port, "Port to listen on; 0 takes one that is free")
       ->check(CLI::Range(0, 65535))
@@ -24,7 +26,8 @@ void add_serve_command(CLI::App& cli, CommandContext& context) {
   command->add_flag("--open", job->open, "Open the page in the default browser");
   command->add_flag("--demo", job->demo,
                     "Start with the bundled example, unless the case has a scan");
-  command->add_option("--example", job->example, "The scan of the bundled example")
+  mark_path(command->add_option("--example", job->example, "The scan of the bundled example"),
+            PathKind::kScan)
       ->capture_default_str();
   command->footer(
       "Examples:\n"

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/solve.h>
 
 #include <memory>
@@ -9,8 +10,12 @@ void add_solve_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SolveJob>();
   CLI::App* const command =
       cli.add_subcommand("solve", "Solve the equilibrium of a body on a given mesh");
-  command->add_option("deck", job->deck, "Deck (contract/deck.schema.json)")->required();
-  command->add_option("-o,--output", job->output, "Folder for the results")->required();
+  mark_path(command->add_option("deck", job->deck, "Deck (contract/deck.schema.json)"),
+            PathKind::kDeck)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Folder for the results"),
+            PathKind::kNewFolder)
+      ->required();
   command->add_flag("--check", job->check_only,
                     "Read and check the deck and its mesh; solve and write nothing");
   command->footer(

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/validate.h>
 
 #include <memory>
@@ -10,11 +11,14 @@ void add_validate_command(CLI::App& cli, CommandContext& context) {
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = cli.add_subcommand(
       "validate", "Compare predicted faces with achieved faces over a cohort of cases");
-  command
-      ->add_option("cohort", job->cohort,
-                   "Folder of case folders, each with a head before and after surgery and a plan")
+  mark_path(command->add_option(
+                "cohort", job->cohort,
+                "Folder of case folders, each with a head before and after surgery and a plan"),
+            PathKind::kFolder)
       ->required();
-  command->add_option("-o,--output", job->output, "Folder for the report, not inside the cohort")
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for the report, not inside the cohort"),
+            PathKind::kNewFolder)
       ->required();
   command->add_flag(
       "--achieved", job->achieved_movements,

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/verify.h>
 #include <lefort/verify/run_suite.h>
 
@@ -12,8 +13,9 @@ void add_verify_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::VerifyJob>();
   CLI::App* const command = cli.add_subcommand(
       "verify", "Verify the finite element solver against closed-form solutions");
-  command->add_option("-o,--output", job->output,
-                      "Folder for verification.md and its plots; none: only the checks");
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for verification.md and its plots; none: only the checks"),
+            PathKind::kNewFolder);
   command->add_flag("--full", job->full, "Finer meshes: minutes instead of seconds");
   std::vector<std::string> names;
   for (const verify::Case& one : verify::all_cases()) names.emplace_back(one.name);
