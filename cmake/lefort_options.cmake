@@ -6,6 +6,8 @@ target_compile_options(lefort_options INTERFACE
   $<BUILD_INTERFACE:$<$<BOOL:${LEFORT_WARNINGS_AS_ERRORS}>:-Werror>>
   # No garbage collection below 1 GB (kB): 8 to 17 % of the compile time of a unit (docs/studies/build-time.md).
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>>
+  # Position-independent code calls its own functions directly, as in a program.
+  $<BUILD_INTERFACE:-fno-semantic-interposition>
   # Same bits on every machine: no fused multiply-add behind our back.
   -ffp-contract=off)
 target_include_directories(lefort_options INTERFACE
