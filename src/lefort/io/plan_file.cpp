@@ -197,6 +197,19 @@ Result<PlanFile> parse_plan(std::string_view text, const fs::path& folder) {
   return plan;
 }
 
+Result<void> check_plan_form(std::string_view text) {
+  LEFORT_TRY_VOID(internal::parse_checked(text, kPlanSchema, "the plan", deprecated_in_plans()));
+  return {};
+}
+
+Result<std::vector<std::string>> check_plan(std::string_view text, const fs::path& folder) {
+  LEFORT_TRY(internal::CheckedJson checked,
+             internal::parse_checked(text, kPlanSchema, "the plan", deprecated_in_plans()));
+  if (!has_auto_landmarks(checked.json) && jaw_gaps(std::string(text)).empty())
+    LEFORT_TRY_VOID(read_sections(checked.json, folder));
+  return std::move(checked.warnings);
+}
+
 Result<std::string> rename_plan_keys(std::string_view text) {
   LEFORT_TRY(const internal::CheckedJson renamed,
              internal::parse_renamed(text, deprecated_in_plans()));

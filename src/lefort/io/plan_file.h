@@ -93,6 +93,18 @@ struct JawGap {
 [[nodiscard]] Result<PlanFile> parse_plan(std::string_view json,
                                           const std::filesystem::path& folder);
 
+/// Checks a plan against its schema. The files that it names are not read.
+///
+/// \returns nothing, or kPlanInvalid with the key and the error.
+[[nodiscard]] Result<void> check_plan_form(std::string_view json);
+
+/// Checks a plan as parse_plan(). If values have to be found in its scan (OpenPlan), only its form
+/// is checked.
+///
+/// \returns warnings, one for each deprecated key; or the errors of parse_plan().
+[[nodiscard]] Result<std::vector<std::string>> check_plan(std::string_view json,
+                                                          const std::filesystem::path& folder);
+
 /// Returns the text of a plan with new names for its deprecated keys and values; unchanged text if
 /// the plan has none. kPlanInvalid if the text is not JSON, or has a key under both names.
 [[nodiscard]] Result<std::string> rename_plan_keys(std::string_view json);
