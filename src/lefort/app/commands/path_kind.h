@@ -1,6 +1,6 @@
 /// \file
-/// Kinds of files and folders on the command line. Help, manual pages, completion in a shell and the
-/// description for 3D Slicer are made from them.
+/// Kinds of files and folders on the command line. Help, manual pages, completion in a shell and
+/// the description for 3D Slicer are made from them.
 #pragma once
 
 #include <CLI/CLI.hpp>

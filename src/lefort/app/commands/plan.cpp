@@ -5,6 +5,33 @@
 #include <memory>
 
 namespace lefort::app {
+namespace {
+
+void add_limits(CLI::App& command, decltype(pipeline::CheckPlanJob::limits)& limits) {
+  command.add_option("--overlap", limits.overlap_mm, "Maximum depth of bone overlap [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--gap", limits.gap_mm, "Maximum distance of a cut face from other bone [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      .add_option("--support", limits.support_mm,
+                  "Maximum distance of bone that supports a cut face [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      .add_option("--support-fraction", limits.support_fraction,
+                  "Minimum supported fraction of a segment's cut faces")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--root", limits.root_mm,
+                  "Minimum distance of a cut from teeth and their roots [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+}  // namespace
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const plan =
@@ -29,29 +56,7 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
             PathKind::kSurface)
       ->excludes(ct);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
-  command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone overlap [mm]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--gap", job->limits.gap_mm,
-                   "Maximum distance of a cut face from other bone [mm]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--support", job->limits.support_mm,
-                   "Maximum distance of bone that supports a cut face [mm]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--support-fraction", job->limits.support_fraction,
-                   "Minimum supported fraction of a segment's cut faces")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--root", job->limits.root_mm,
-                   "Minimum distance of a cut from teeth and their roots [mm]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_limits(*command, job->limits);
   command->footer(
       "Example:\n"
       "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"

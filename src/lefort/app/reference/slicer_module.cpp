@@ -159,7 +159,6 @@ Result<std::string> slicer_description(const CommandReference& command,
       "  <documentation-url>file:///usr/share/doc/lefort/guide/slicer.md</documentation-url>\n");
   text += "  <license>GPL-3.0-or-later</license>\n";
   text += "  <contributor>The lefort contributors</contributor>\n";
-  text += "  <acknowledgements></acknowledgements>\n";
   text += group("Inputs", "What is read", inputs, false);
   text += group("Outputs", "What is written", outputs, false);
   text += group("Settings", "Options of the command", settings, false);

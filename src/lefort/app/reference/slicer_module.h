@@ -28,7 +28,7 @@ struct SlicerModule {
 ///
 /// \param command  the command.
 /// \param program  the program; its option --threads becomes an advanced parameter.
-/// \returns the XML; kInvalidArgument if the command is no module, with the names of those that are.
+/// \returns the XML; kInvalidArgument if the command is no module, with the names of all modules.
 [[nodiscard]] Result<std::string> slicer_description(const CommandReference& command,
                                                      const CommandReference& program);
 
