@@ -103,9 +103,10 @@ std::string synopsis(const CommandReference& command) {
   if (!command.commands.empty()) return text + "\\fICOMMAND\\fR [\\fIoptions\\fR]\n";
   text += "[\\fIoptions\\fR]";
   for (const OptionReference& option : command.options) {
-    const std::string shown = option.positional.empty()
-                                  ? heading(option)
-                                  : fmt::format("\\fI{}\\fR", code(option.positional));
+    const std::string shown =
+        option.positional.empty()
+            ? fmt::format("\\fB{}\\fR \\fI{}\\fR", code(option.names.front()), code(option.value))
+            : fmt::format("\\fI{}\\fR", code(option.positional));
     const bool is_listed = option.is_required || !option.positional.empty();
     if (!is_listed) continue;
     const std::string dots = option.is_many && !option.positional.empty() ? " ..." : "";

@@ -18,8 +18,12 @@ std::string identifier(std::string text) {
   return text;
 }
 
-/// "Element size" from "element-size".
+/// "Element size" from "element-size", "Bone HU" from "bone-hu".
 std::string label_of(std::string text) {
+  if (text == "ct") return "CT";
+  if (text.ends_with("-hu") || text.ends_with("-ct"))
+    std::transform(text.end() - 2, text.end(), text.end() - 2,
+                   [](unsigned char c) { return std::toupper(c); });
   std::ranges::replace(text, '-', ' ');
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
