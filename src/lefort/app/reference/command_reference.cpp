@@ -18,10 +18,11 @@ std::vector<std::string> validators_of(CLI::Option& option) {
   }
 }
 
-/// "{a,b}" as CLI::IsMember writes it.
+/// "{a,b}" as CLI::IsMember writes it. "{a->1}" are other names for values: not the only ones.
 std::vector<std::string> choices_of(const std::string& text) {
   std::vector<std::string> choices;
-  if (text.size() < 2 || text.front() != '{' || text.back() != '}') return choices;
+  const bool is_list = text.size() > 2 && text.front() == '{' && text.back() == '}';
+  if (!is_list || text.find("->") != std::string::npos) return choices;
   std::istringstream inside(text.substr(1, text.size() - 2));
   for (std::string choice; std::getline(inside, choice, ',');) choices.push_back(choice);
   return choices;
