@@ -85,7 +85,7 @@ for axes in (left, right):
     for spine in ("top", "right"):
         axes.spines[spine].set_visible(False)
 figure.text(0.995, 0.005, validation.notice, ha="right", va="bottom", fontsize=7, color="0.4")
-figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # type: ignore[union-attr]
+figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))
 figure.savefig(figures / "validation_plot.png", dpi=150)
 print(figures / "validation_plot.png")
 work.cleanup()

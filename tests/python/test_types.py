@@ -60,10 +60,11 @@ def run_mypy(arguments, source):
 def test_package_and_notebooks_are_typed(source, tmp_path):
     notebooks = sorted(str(file) for file in (source / "examples" / "python").glob("*.py"))
     assert len(notebooks) == 3
-    done = run_mypy(["mypy", "--strict", "--cache-dir", str(tmp_path), "-p", "lefort"], source)
+    options = ["--config-file", str(source / "python" / "mypy.ini"), "--cache-dir", str(tmp_path)]
+    done = run_mypy(["mypy", *options, "-p", "lefort"], source)
     assert done.returncode == 0, done.stdout
     for notebook in notebooks:
-        done = run_mypy(["mypy", "--strict", "--cache-dir", str(tmp_path), notebook], source)
+        done = run_mypy(["mypy", *options, notebook], source)
         assert done.returncode == 0, done.stdout
 
 
