@@ -126,7 +126,7 @@ class Part:
         known = {_key(one.name): one.name for one in dataclasses.fields(cls)}
         for key in value:
             if key not in known:
-                raise PlanInvalid(f'unknown key "{key}"')
+                raise PlanInvalid(f"unknown key '{key}'")
         return cls(**{known[key]: cls._part(key, one) for key, one in value.items()})
 
     @classmethod

@@ -87,7 +87,7 @@ def test_arrays_become_tuples_and_plans_do_not_change():
      "far_element_size_mm: 5 is less than element_size_mm, 6"),
     (lambda: small_plan().replace(segments=small_plan().segments * 2), "front"),
     (lambda: lefort.Plan.from_json({"lefort_plan": 1, "hue": 1, "segments": []}), "hue"),
-    (lambda: lefort.Keyframe.from_json({"hue": 1}), 'unknown key "hue"'),
+    (lambda: lefort.Keyframe.from_json({"hue": 1}), "unknown key 'hue'"),
 ])
 def test_a_wrong_value_raises_the_message_of_the_reader(make, message):
     with pytest.raises(lefort.Error, match=message) as raised:
