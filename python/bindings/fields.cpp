@@ -136,6 +136,19 @@ SharedField from_bytes(const py::bytes& state) {
       value_of(io::decode_field(std::as_bytes(std::span(text->data(), text->size())), text)));
 }
 
+/// Zone as an IntEnum, so that it compares with the values of zone().
+void bind_zone(py::module_& module) {
+  py::dict members;
+  members["BAND"] = int(Zone::kBand);
+  members["OUTSIDE"] = int(Zone::kOutside);
+  members["INSIDE"] = int(Zone::kInside);
+  members["UNKNOWN"] = int(Zone::kUnknown);
+  const py::object zone = py::module_::import("enum").attr("IntEnum")(
+      "Zone", members, py::arg("module") = "lefort._lefort");
+  zone.attr("__doc__") = doc("field::FieldSample");
+  module.attr("Zone") = zone;
+}
+
 void bind_queries(py::class_<DistanceField, SharedField>& fields) {
   fields
       .def("distance", &distance, py::arg("points_B"), py::kw_only(), py::arg("smooth") = false,
@@ -149,6 +162,7 @@ void bind_queries(py::class_<DistanceField, SharedField>& fields) {
 }  // namespace
 
 void bind_fields(py::module_& module) {
+  bind_zone(module);
   py::class_<DistanceField, SharedField> fields(module, "DistanceField",
                                                 doc("field::DistanceField"));
   bind_queries(fields);
