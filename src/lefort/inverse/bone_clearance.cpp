@@ -46,8 +46,8 @@ std::vector<OverlapRow> BoneClearance::rows(std::span<const RigidTransform> X_LB
         OverlapRow row{.excess_mm = -gaps[v].gap_mm - threshold_mm, .derivative = {}};
         row.derivative.resize(Index(rates.size()));
         for (std::size_t n = 0; n < rates.size(); ++n)
-          row.derivative[Index(n)] =
-              -gaps[v].gradient_L.dot(velocity(rates[n], a, p_L[v]) - velocity(rates[n], b, p_L[v]));
+          row.derivative[Index(n)] = -gaps[v].gradient_L.dot(velocity(rates[n], a, p_L[v]) -
+                                                             velocity(rates[n], b, p_L[v]));
         rows.push_back(std::move(row));
       }
     }

@@ -19,8 +19,8 @@ namespace lefort::inverse {
 
 /// Depth of one vertex beyond the penalty's threshold.
 struct OverlapRow {
-  double excess_mm = 0.0;     ///< > 0.
-  VectorX derivative;         ///< By each number; empty if not computed.
+  double excess_mm = 0.0;  ///< > 0.
+  VectorX derivative;      ///< By each number; empty if not computed.
 };
 
 /// The deepest overlap of two bones.

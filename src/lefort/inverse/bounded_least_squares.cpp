@@ -9,7 +9,7 @@
 namespace lefort::inverse {
 namespace {
 
-constexpr double kMinRatio = 1e-4;    ///< Of the decrease to that of the model.
+constexpr double kMinRatio = 1e-4;  ///< Of the decrease to that of the model.
 constexpr double kGood = 0.75, kBad = 0.25, kFactor = 4.0;
 constexpr double kFirstDamping = 1e-3;  ///< Of the largest diagonal entry of H.
 constexpr double kMinDamping = 1e-9, kMaxDamping = 1e6;

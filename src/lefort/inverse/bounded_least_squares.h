@@ -64,7 +64,7 @@ enum class LeastSquaresStop { kConverged, kTooManyIterations, kNoDecrease };
 struct LeastSquaresResult {
   VectorX x;
   double objective = 0.0;
-  QuadraticModel model;             ///< At x.
+  QuadraticModel model;                  ///< At x.
   std::vector<char> at_lower, at_upper;  ///< Active bounds at x.
   LeastSquaresStop stop = LeastSquaresStop::kConverged;
   std::vector<LeastSquaresIterate> history;

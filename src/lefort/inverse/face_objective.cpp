@@ -6,8 +6,8 @@
 
 namespace lefort::inverse {
 
-FaceObjective::FaceObjective(LiveFace& face, const MotionProblem& problem,
-                             predict::FaceState start, Progress& progress)
+FaceObjective::FaceObjective(LiveFace& face, const MotionProblem& problem, predict::FaceState start,
+                             Progress& progress)
     : face_(face),
       problem_(problem),
       start_(std::move(start)),
@@ -26,8 +26,7 @@ Result<FaceAt> FaceObjective::solve(const VectorX& x, const predict::FaceState& 
   face.objective = face.target_objective;
   for (const OverlapRow& row : problem_.clearance.rows(X_LB, {}))
     face.objective += 0.5 * kOverlapWeight * row.excess_mm * row.excess_mm;
-  face.objective +=
-      0.5 * problem_.regularization * (x - problem_.variables.start()).squaredNorm();
+  face.objective += 0.5 * problem_.regularization * (x - problem_.variables.start()).squaredNorm();
   return face;
 }
 

@@ -60,7 +60,9 @@ class FaceObjective final : public LeastSquaresFunction {
                 Progress& progress);
 
   /// Displacements that are added to those of the model [mm], one for each vertex.
-  void set_correction(std::vector<Vec3> correction_mm) { correction_mm_ = std::move(correction_mm); }
+  void set_correction(std::vector<Vec3> correction_mm) {
+    correction_mm_ = std::move(correction_mm);
+  }
   [[nodiscard]] const std::vector<Vec3>& correction_mm() const { return correction_mm_; }
 
   [[nodiscard]] Result<double> evaluate(const VectorX& x) override;

@@ -24,9 +24,7 @@ Vec3 weights_at(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   return {1.0 - beta - gamma, beta, gamma};
 }
 
-auto invalid(std::string message) {
-  return fail(ErrorCode::kInvalidArgument, std::move(message));
-}
+auto invalid(std::string message) { return fail(ErrorCode::kInvalidArgument, std::move(message)); }
 
 }  // namespace
 
@@ -63,8 +61,9 @@ Result<void> FaceObserver::anchor_landmarks(std::span<const char> is_moved) {
     const double motion_mm = of.direction_L ? std::abs(of.direction_L->dot(of.to_L - of.point_L))
                                             : (of.to_L - of.point_L).norm();
     if (motion_mm > kMaxMotion_mm)
-      return invalid(fmt::format("landmark {} would move by {:.0f} mm; at most {:g} mm are possible",
-                                 of.name, motion_mm, kMaxMotion_mm));
+      return invalid(
+          fmt::format("landmark {} would move by {:.0f} mm; at most {:g} mm are possible", of.name,
+                      motion_mm, kMaxMotion_mm));
     anchors_.push_back({corners, weights_at(nearest->point, at(0), at(1), at(2))});
   }
   return {};
@@ -89,14 +88,15 @@ Result<void> FaceObserver::check_profiles(std::span<const char> is_moved) {
     for (const ProfilePoint& point : of.points) {
       const auto hit = hit_at(rest, profile_triangles_.back(), of.x_mm, point.z_mm);
       if (!hit)
-        return invalid(fmt::format("profile {}: there is no skin at the height {:g} mm in the plane "
-                                   "x = {:g} mm",
-                                   of.name, point.z_mm, of.x_mm));
+        return invalid(
+            fmt::format("profile {}: there is no skin at the height {:g} mm in the plane "
+                        "x = {:g} mm",
+                        of.name, point.z_mm, of.x_mm));
       if (std::abs(hit->y_mm - point.y_mm) > kMaxMotion_mm)
-        return invalid(fmt::format("profile {}: the skin at the height {:g} mm would move by {:.0f} "
-                                   "mm; at most {:g} mm are possible",
-                                   of.name, point.z_mm, std::abs(hit->y_mm - point.y_mm),
-                                   kMaxMotion_mm));
+        return invalid(
+            fmt::format("profile {}: the skin at the height {:g} mm would move by {:.0f} "
+                        "mm; at most {:g} mm are possible",
+                        of.name, point.z_mm, std::abs(hit->y_mm - point.y_mm), kMaxMotion_mm));
       for (const std::int32_t v : skin_L_.triangles[std::size_t(hit->triangle)])
         is_any_moved = is_any_moved || is_moved[std::size_t(v)] != 0;
     }
@@ -122,7 +122,8 @@ Result<void> FaceObserver::choose_vertices(std::span<const char> is_moved) {
     auto& areas = surface_areas_mm2_.emplace_back();
     double all_mm2 = 0.0, near_mm2 = 0.0;
     for (std::size_t v = 0; v < skin_L_.vertices.size(); ++v) {
-      if (is_moved[v] == 0 || (of.region_L && !of.region_L->contains(skin_L_.vertices[v]))) continue;
+      if (is_moved[v] == 0 || (of.region_L && !of.region_L->contains(skin_L_.vertices[v])))
+        continue;
       vertices.push_back(std::int32_t(v));
       areas.push_back(areas_mm2[v]);
       all_mm2 += areas_mm2[v];
@@ -130,11 +131,12 @@ Result<void> FaceObserver::choose_vertices(std::span<const char> is_moved) {
         near_mm2 += areas_mm2[v];
     }
     if (!(all_mm2 > 0.0))
-      return invalid(fmt::format("surface {}: no skin that a segment can move lies in its region",
-                                 of.name));
+      return invalid(
+          fmt::format("surface {}: no skin that a segment can move lies in its region", of.name));
     if (near_mm2 < kMinOverlap * all_mm2)
       return invalid(fmt::format(
-          "surface {} is close to {:.0f} % of the skin in its region only: is it of another patient "
+          "surface {} is close to {:.0f} % of the skin in its region only: is it of another "
+          "patient "
           "or in another frame? At least {:.0f} % must lie within {:g} mm of it",
           of.name, 100.0 * near_mm2 / all_mm2, 100.0 * kMinOverlap, of.max_distance_mm));
   }
@@ -165,8 +167,9 @@ std::optional<FaceObserver::Hit> FaceObserver::hit_at(std::span<const Vec3> disp
   return first;
 }
 
-std::vector<std::optional<double>> FaceObserver::profile_y_mm(
-    std::span<const Vec3> displacement_mm, double x_mm, std::span<const double> z_mm) const {
+std::vector<std::optional<double>> FaceObserver::profile_y_mm(std::span<const Vec3> displacement_mm,
+                                                              double x_mm,
+                                                              std::span<const double> z_mm) const {
   const std::vector<std::int32_t> triangles = triangles_near(x_mm);
   std::vector<std::optional<double>> y_mm(z_mm.size());
   parallel_for(Index(z_mm.size()), [&](Index n) {

@@ -42,8 +42,7 @@ geometry::Keyframe keyframe_of(const MotionVector& motion, const Vec3& center_L)
 MotionVector motion_of(const RigidTransform& X_LB, const Vec3& center_L) {
   const Vec3 shift = X_LB * center_L - center_L;
   MotionVector motion;
-  motion << shift.x(), -shift.y(), shift.z(),
-      geometry::rotation_vector(X_LB.linear()) / kRadPerDeg;
+  motion << shift.x(), -shift.y(), shift.z(), geometry::rotation_vector(X_LB.linear()) / kRadPerDeg;
   return motion;
 }
 

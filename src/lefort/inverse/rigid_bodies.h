@@ -5,6 +5,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
+#include <lefort/geometry/motion_rates.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/predict/face_response.h>
