@@ -1,3 +1,4 @@
+#include <lefort/geometry/motion_rates.h>
 #include <lefort/geometry/rigid_motion.h>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #include <lefort/core/parallel.h>
+#include <lefort/geometry/motion_rates.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/predict/face_response.h>
 

@@ -17,7 +17,7 @@
 
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
-#include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/motion_rates.h>
 
 #include <span>
 
@@ -32,5 +32,16 @@ namespace lefort::contact {
 [[nodiscard]] Eigen::MatrixXd pose_derivatives_n(const fem::ForceTerm& term, Index item,
                                                  std::span<const Vec3> x_L,
                                                  std::span<const geometry::MotionRate> rates);
+
+/// The same for an item whose force depends on its distance from a point that follows a fraction of
+/// the motion of the bone without rotating (NodalSupport::motion_fraction < 1): if the point moves by
+/// w v(X), the force changes as if the tissue moved by -w v(X): dr/dq = -K w v(X).
+///
+/// \param fraction  w, 0 to 1.
+/// \param point_L   X, the point of the bone that is followed [mm].
+[[nodiscard]] Eigen::MatrixXd following_derivatives_n(const fem::ForceTerm& term, Index item,
+                                                      std::span<const Vec3> x_L,
+                                                      std::span<const geometry::MotionRate> rates,
+                                                      double fraction, const Vec3& point_L);
 
 }  // namespace lefort::contact

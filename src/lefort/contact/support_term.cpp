@@ -1,5 +1,4 @@
 #include <lefort/contact/measure_gap.h>
-#include <lefort/contact/pose_derivative.h>
 #include <lefort/contact/support_term.h>
 #include <lefort/core/check.h>
 
@@ -64,25 +63,6 @@ bool SupportTerm::evaluate(Index item, std::span<const Vec3> x_L,
   if (local.tangent == fem::Tangent::kExact) K += k_n * opening.mm * opening.hessian_L;
   local.stiffness_n_per_mm = A * K;
   return true;
-}
-
-Eigen::Matrix3Xd SupportTerm::pose_derivatives_n(
-    Index item, const Vec3& x_L, std::span<const geometry::MotionRate> rates) const {
-  const NodalSupport& support = supports_[std::size_t(item)];
-  if (support.motion_fraction == 1.0)
-    return contact::pose_derivatives_n(*this, item, {&x_L, 1}, rates);
-  LEFORT_CHECK(!support.follows_surface);
-  const double k_t = support.tangential_mpa_per_mm;
-  const Opening opening = opening_of(std::size_t(item), x_L);
-  const double k_n = opening.mm > 0.0 ? support.tension_mpa_per_mm : support.normal_mpa_per_mm;
-  const Vec3& n = opening.normal_L;
-  const Vec3 point_L = obstacle_.X_LB * rest_B_[std::size_t(item)];
-  Eigen::Matrix3Xd derivatives(3, Index(rates.size()));
-  for (std::size_t k = 0; k < rates.size(); ++k) {
-    const Vec3 moved = support.motion_fraction * rates[k].at(point_L);
-    derivatives.col(Index(k)) = -support.area_mm2 * ((k_n - k_t) * n.dot(moved) * n + k_t * moved);
-  }
-  return derivatives;
 }
 
 bool SupportTerm::is_conservative(const fem::DofMap& /*dofs*/) const {

@@ -19,7 +19,6 @@
 #include <lefort/contact/rigid_obstacle.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
-#include <lefort/geometry/rigid_motion.h>
 
 #include <cstdint>
 #include <span>
@@ -73,14 +72,6 @@ class SupportTerm final : public fem::ForceTerm {
   /// so that it exerts no normal force there.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
-
-  /// \param item   a support.
-  /// \param x_L    current position of its node [mm].
-  /// \param rates  motions of the bone by several numbers.
-  /// \returns as pose_derivatives_n(). With motion_fraction w < 1 the support moves by w times the
-  ///   motion of the point X of the bone and keeps its direction: dr/dq = -K w v(X_LB X).
-  [[nodiscard]] Eigen::Matrix3Xd pose_derivatives_n(
-      Index item, const Vec3& x_L, std::span<const geometry::MotionRate> rates) const;
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] SupportStatistics summarize(std::span<const Vec3> x_L) const;

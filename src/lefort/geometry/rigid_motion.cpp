@@ -14,26 +14,6 @@ RigidTransform rigid_motion(const Vec3& translation_mm, const Vec3& rotation_rad
   return X_LB;
 }
 
-std::array<MotionRate, 6> motion_rates(const Vec3& translation_mm, const Vec3& rotation_rad,
-                                       const Vec3& center_L) {
-  constexpr double kSmall = 1e-4;  // Below this angle the next term of the series is round-off.
-  const double a = rotation_rad.norm();
-  Mat3 cross;
-  cross << 0.0, -rotation_rad.z(), rotation_rad.y(), rotation_rad.z(), 0.0, -rotation_rad.x(),
-      -rotation_rad.y(), rotation_rad.x(), 0.0;
-  const double sine = std::sin(0.5 * a);
-  const double first = a < kSmall ? 0.5 - a * a / 24.0 : 2.0 * sine * sine / (a * a);
-  const double second = a < kSmall ? 1.0 / 6.0 : (a - std::sin(a)) / (a * a * a);
-  const Mat3 left_jacobian = Mat3::Identity() + first * cross + second * cross * cross;
-  std::array<MotionRate, 6> rates;
-  for (Index i = 0; i < 3; ++i) {
-    rates[std::size_t(i)].translation = Vec3::Unit(i);
-    rates[std::size_t(i) + 3] = {.rotation_rad = left_jacobian.col(i),
-                                 .at_L = center_L + translation_mm};
-  }
-  return rates;
-}
-
 Vec3 rotation_vector(const Mat3& rotation) {
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0.0)

@@ -5,8 +5,6 @@
 
 #include <lefort/core/types.h>
 
-#include <array>
-
 namespace lefort::geometry {
 
 /// The pose that rotates a bone about a fixed center, then translates it.
@@ -17,28 +15,6 @@ namespace lefort::geometry {
 /// \returns X_LB, with X_LB * center_L = center_L + translation_mm.
 [[nodiscard]] RigidTransform rigid_motion(const Vec3& translation_mm, const Vec3& rotation_rad,
                                           const Vec3& center_L);
-
-/// Velocity field of a rigid body: the derivative of the position of its points by one number.
-struct MotionRate {
-  Vec3 translation = Vec3::Zero();  ///< Of the point at `at_L` [mm per unit of the number].
-  Vec3 rotation_rad = Vec3::Zero();
-  Vec3 at_L = Vec3::Zero();  ///< [mm]
-
-  /// \returns the derivative of the position of the point of the body that is now at `p_L`.
-  [[nodiscard]] Vec3 at(const Vec3& p_L) const {
-    return translation + rotation_rad.cross(p_L - at_L);
-  }
-};
-
-/// The derivatives of the positions of rigid_motion() by its six numbers: translation (per mm), then
-/// rotation vector (per rad). A change of the rotation vector turns the body about
-/// J_l(rotation) times the change, with the left Jacobian of the rotation group (\cite barfoot2017,
-/// equation (7.77)):
-///
-///   J_l = I + (1 - cos a) / a^2 [r] + (a - sin a) / a^3 [r]^2,  a = |r|, [r] p = r x p
-[[nodiscard]] std::array<MotionRate, 6> motion_rates(const Vec3& translation_mm,
-                                                     const Vec3& rotation_rad,
-                                                     const Vec3& center_L);
 
 /// The rotation vector (unit axis times angle, 0 to pi) of a rotation matrix.
 [[nodiscard]] Vec3 rotation_vector(const Mat3& rotation);

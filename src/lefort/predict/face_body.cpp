@@ -135,8 +135,12 @@ void FaceBody::add_supports(const std::vector<contact::RigidObstacle>& bones) {
   const std::vector<Vec3>& nodes_L = model_.tissue.nodes_L;
   InterfaceSupports supports = interface_supports(model_.tissue, model_.interface, names_.size(),
                                                   options_.tissue, options_.boundary);
-  for (std::size_t k = 0; k < names_.size(); ++k)
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    std::vector<double>& fractions = motion_fractions_.emplace_back();
+    for (const contact::NodalSupport& one : supports.on_segments[k])
+      fractions.push_back(one.motion_fraction);
     segment_supports_.emplace_back(nodes_L, std::move(supports.on_segments[k]), bones[k]);
+  }
   stationary_supports_.emplace_back(
       nodes_L, std::move(supports.on_stationary),
       bones.size() > names_.size() ? bones.back() : contact::RigidObstacle{});

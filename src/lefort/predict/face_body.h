@@ -112,6 +112,10 @@ class FaceBody {
   [[nodiscard]] const std::vector<contact::SupportTerm>& segment_supports() const {
     return segment_supports_;
   }
+  /// \returns contact::NodalSupport::motion_fraction of each support on each segment.
+  [[nodiscard]] const std::vector<std::vector<double>>& motion_fractions() const {
+    return motion_fractions_;
+  }
 
  private:
   FaceBody(const FaceModel& model, std::vector<std::string> names, const PredictionOptions& options)
@@ -143,6 +147,7 @@ class FaceBody {
   std::size_t segment_contact_count_ = 0;
   WeightedContacts weighted_;
   std::vector<contact::SupportTerm> segment_supports_;     ///< One for each segment.
+  std::vector<std::vector<double>> motion_fractions_;      ///< Of their supports.
   std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
   std::optional<LipContact> lips_;                         ///< If they are separated.
   std::optional<fem::Assembler> assembler_;

@@ -211,7 +211,11 @@ std::vector<VectorX> FaceResponse::explicit_rates(const FaceState& state,
     }
     const contact::SupportTerm& supports = body_->segment_supports()[k];
     add_items(supports, x_L, of, sums, [&](Index item, std::span<const Vec3> x) {
-      return supports.pose_derivatives_n(item, x[0], of.rates);
+      const double fraction = body_->motion_fractions()[k][std::size_t(item)];
+      if (fraction == 1.0) return contact::pose_derivatives_n(supports, item, x, of.rates);
+      const Vec3& rest = model().tissue.nodes_L[std::size_t(supports.nodes(item)[0])];
+      return contact::following_derivatives_n(supports, item, x, of.rates, fraction,
+                                              state.at.X_LB[k] * rest);
     });
   }
   return sums;

@@ -20,6 +20,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
+#include <lefort/geometry/motion_rates.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/predict/face_body.h>
