@@ -1,3 +1,4 @@
+#include <lefort/pipeline/predict/coarse_tissue.h>
 #include <lefort/pipeline/predict/interface_sensitivity.h>
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/load_levels.h>
@@ -12,20 +13,12 @@
 namespace lefort::pipeline {
 namespace {
 
-/// A coarse mesh, for both interfaces: only their difference is reported. Contact as a random
-/// input: \cite knoops2018.
-constexpr double kElementSize_mm = 8.0, kFarElementSize_mm = 12.0;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
 
+/// The same coarse mesh for both interfaces: only their difference is reported. Contact as a random
+/// input: \cite knoops2018.
 predict::TissueOptions coarse(const predict::TissueOptions& fine) {
-  predict::TissueOptions options = fine;
-  options.element_size_mm = std::max(fine.element_size_mm, kElementSize_mm);
-  options.far_element_size_mm = std::max(fine.far_element_size_mm, kFarElementSize_mm);
-  options.element_order = 1;
-  options.skin.reset();
-  options.mucosa.reset();
-  options.face.reset();
-  return options;
+  return coarse_tissue(fine, false);
 }
 
 /// The paths in as few steps as the coarse mesh allows (predict/load_levels.h).
