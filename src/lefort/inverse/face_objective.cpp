@@ -54,6 +54,7 @@ Result<QuadraticModel> FaceObjective::linearize() {
     skin[std::size_t(n)] = predict::skin_displacement(face_.embedding, nodes);
   }
   QuadraticModel model{VectorX::Zero(count), Eigen::MatrixXd::Zero(count, count)};
+  target_gradients_ = Eigen::MatrixXd::Zero(Index(problem_.observer.target().count()), count);
   VectorX row(count);
   for (const Observation& one : present_->observations) {
     for (Index n = 0; n < count; ++n) {
@@ -61,6 +62,7 @@ Result<QuadraticModel> FaceObjective::linearize() {
       for (std::size_t k = 0; k < 3; ++k)
         row[n] += one.gradient[k].dot(skin[std::size_t(n)][std::size_t(one.vertices[k])]);
     }
+    target_gradients_.row(Index(one.target)) += one.weight * one.residual_mm * row;
     model.gradient += one.weight * one.residual_mm * row;
     model.hessian += one.weight * row * row.transpose();
   }

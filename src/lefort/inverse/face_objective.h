@@ -76,6 +76,9 @@ class FaceObjective final : public LeastSquaresFunction {
   /// H of the targets alone at the last linearize() [mm^2 per mm or deg squared].
   [[nodiscard]] const Eigen::MatrixXd& target_hessian() const { return target_hessian_; }
 
+  /// Gradient of the part of J of each target at the last linearize(); one row for each target.
+  [[nodiscard]] const Eigen::MatrixXd& target_gradients() const { return target_gradients_; }
+
   /// Compares the gradient at the present point with central differences of J.
   /// \param step  of each number [mm, deg], > 0.
   /// \returns the largest difference, relative to the largest component; or the error of a solve.
@@ -90,7 +93,7 @@ class FaceObjective final : public LeastSquaresFunction {
   Progress& progress_;
   std::vector<Vec3> correction_mm_;
   std::optional<FaceAt> present_, trial_;
-  Eigen::MatrixXd target_hessian_;
+  Eigen::MatrixXd target_hessian_, target_gradients_;
 };
 
 }  // namespace lefort::inverse

@@ -155,6 +155,7 @@ Result<MotionResult> Search::run(const VectorX& start) {
     result_.at_lower = std::move(found.at_lower);
     result_.at_upper = std::move(found.at_upper);
   }
+  result_.target_gradients = objective_.target_gradients();
   result_.directions = determined_motions(objective_.target_hessian());
   const std::vector<RigidTransform> X_LB = problem_.variables.poses(result_.face.x);
   result_.overlap = problem_.clearance.deepest(X_LB);

@@ -54,6 +54,7 @@ struct MotionResult {
   bool converged = false;
   std::vector<char> at_lower, at_upper;  ///< Active bounds of each number.
   std::vector<MotionDirection> directions;
+  Eigen::MatrixXd target_gradients;      ///< FaceObjective::target_gradients() at the end.
   std::optional<double> gradient_error;  ///< Relative, at the start.
   DeepestOverlap overlap;                ///< At the result.
   bool is_limited_by_overlap = false;    ///< The result was moved back, or the penalty acts.

@@ -6,7 +6,7 @@
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/sha256.h>
-#include <lefort/pipeline/predict/coarse_tissue.h>
+#include <lefort/pipeline/prepare/coarse_face.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/uncertainty/inputs_json.h>
 #include <lefort/pipeline/uncertainty/uncertain_case.h>
@@ -66,6 +66,13 @@ std::vector<Vec3> unit_normals(const geometry::TriangleMesh& mesh_L) {
   return normals;
 }
 
+/// The coarse mesh, with the skin of the plan: its stiffness may be an input.
+predict::TissueOptions coarse_with_skin(const predict::TissueOptions& fine) {
+  predict::TissueOptions options = coarse_tissue(fine);
+  options.skin = fine.skin;
+  return options;
+}
+
 std::vector<Index> range(Index begin, Index end) {
   std::vector<Index> numbers;
   for (Index i = begin; i < end; ++i) numbers.push_back(i);
@@ -114,14 +121,14 @@ Result<PreparedCase> UncertainCase::prepare_anatomy(const VariantKey& key, Progr
   }
   plan.segmentation.bone_hu += key.threshold_hu;
   if (key != middle_key_ || job_.fine_samples == 0)
-    plan.tissue = coarse_tissue(plan.tissue, plan.tissue.skin.has_value());
+    plan.tissue = coarse_with_skin(plan.tissue);
   return prepare_case(std::move(plan), io::Sha256().add(text).hex(), ct_, cache_, progress);
 }
 
 Result<void> UncertainCase::prepare(Progress& progress) {
   LEFORT_TRY(prepared_, prepare_anatomy(middle_key_, progress));
   LEFORT_TRY(FaceVariant middle,
-             make_variant(*prepared_, coarse_tissue(plan_.tissue, plan_.tissue.skin.has_value()),
+             make_variant(*prepared_, coarse_with_skin(plan_.tissue),
                           middle_key_.margin_mm, prepared_->skin_L, cache_, progress));
   variants_[middle_key_] = std::make_unique<FaceVariant>(std::move(middle));
   find_skin();
@@ -189,7 +196,7 @@ Result<void> UncertainCase::prepare_variants(std::span<const Index> samples, Pro
       QuietProgress quiet(progress);
       progress.begin_stage("model of another level");
       return make_variant(is_middle ? *prepared_ : *other,
-                          coarse_tissue(plan_.tissue, plan_.tissue.skin.has_value()), key.margin_mm,
+                          coarse_with_skin(plan_.tissue), key.margin_mm,
                           skin_.skin_L, cache_, quiet);
     };
     Result<FaceVariant> made = make();
