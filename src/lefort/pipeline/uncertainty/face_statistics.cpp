@@ -60,9 +60,9 @@ class BandMeasure {
       part.mean[Index(k)] = surrogate.mean[rows_[k]];
       part.modes.row(Index(k)) = surrogate.modes.row(rows_[k]);
     }
-    return weighted_mean(weights_, widths(uncertainty::field_band(
-                                       part, uncertainty::scores_at(part, points_),
-                                       kBandProbabilities)));
+    return weighted_mean(weights_,
+                         widths(uncertainty::field_band(part, uncertainty::scores_at(part, points_),
+                                                        kBandProbabilities)));
   }
 
  private:
@@ -183,8 +183,7 @@ void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
   constexpr std::size_t kFewest = 3;
   if (differences.size() < kFewest) return;
   Eigen::MatrixXd points(Index(rows.size()), face.points().cols());
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    points.row(Index(k)) = face.points().row(rows[k]);
+  for (std::size_t k = 0; k < rows.size(); ++k) points.row(Index(k)) = face.points().row(rows[k]);
   // Few samples: linear, and only what they show. Inputs in levels are at their middle in all.
   all.correction = uncertainty::fit_field(
       chaos_inputs(face.inputs().inputs), points, differences, face.skin().area_mm2,
@@ -209,8 +208,8 @@ std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
         n == Index(rows.size())
             ? all.coarse
             : uncertainty::fit_field(chaos_inputs(face.inputs().inputs), points,
-                                     std::span(samples).first(std::size_t(n)),
-                                     face.skin().area_mm2, fit_options(std::size_t(n)));
+                                     std::span(samples).first(std::size_t(n)), face.skin().area_mm2,
+                                     fit_options(std::size_t(n)));
     const auto with_correction = [&](const FieldSurrogate& surrogate) {
       return all.correction ? uncertainty::add(surrogate, all.correction->surrogate) : surrogate;
     };
@@ -230,8 +229,7 @@ std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
 
 RegionStatistics region_statistics(const FaceStatistics& all, const SkinRegion& region,
                                    std::span<const std::vector<Index>> alone,
-                                   std::span<const std::vector<Index>> groups,
-                                   std::uint64_t seed) {
+                                   std::span<const std::vector<Index>> groups, std::uint64_t seed) {
   RegionStatistics found{.name = region.name};
   const std::vector<double> width = widths(all.band);
   found.band_mm = weighted_mean(region.weights, width);
@@ -272,8 +270,7 @@ Result<FaceStatistics> face_statistics(const UncertainCase& face, std::vector<Sk
   all.solved = Index(samples.size());
   all.regions = std::move(regions);
   Eigen::MatrixXd points(Index(rows.size()), face.points().cols());
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    points.row(Index(k)) = face.points().row(rows[k]);
+  for (std::size_t k = 0; k < rows.size(); ++k) points.row(Index(k)) = face.points().row(rows[k]);
   const std::vector<UncertainInput>& inputs = face.inputs().inputs;
   all.coarse = uncertainty::fit_field(chaos_inputs(inputs), points, samples, face.skin().area_mm2,
                                       fit_options(samples.size()));

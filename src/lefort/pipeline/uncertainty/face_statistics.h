@@ -29,7 +29,7 @@ struct RegionStatistics {
   double band_mm = 0.0;      ///< P95 - P5.
   double max_band_mm = 0.0;  ///< Of a vertex.
   double deviation_mm = 0.0;
-  double q2 = 0.0;  ///< Cross-validated, of the coarse surrogate.
+  double q2 = 0.0;                      ///< Cross-validated, of the coarse surrogate.
   uncertainty::SobolIndices inputs;     ///< Of each input, with the correction.
   uncertainty::SobolInterval interval;  ///< Bootstrap of the coarse surrogate.
   uncertainty::SobolIndices groups;     ///< Of each group of inputs.
@@ -38,7 +38,7 @@ struct RegionStatistics {
 /// The estimate from the first n samples.
 struct ConvergenceRow {
   Index samples = 0;
-  double band_mm = 0.0;  ///< Mean of the moved skin.
+  double band_mm = 0.0;                ///< Mean of the moved skin.
   double low_mm = 0.0, high_mm = 0.0;  ///< Bootstrap interval of 90 %.
   double q2 = 0.0;
 };
@@ -46,10 +46,10 @@ struct ConvergenceRow {
 /// The correction of the coarse model by the fine one.
 struct CorrectionStatistics {
   Index samples = 0;
-  double mean_mm = 0.0;       ///< Mean of the absolute mean correction, over the moved skin.
-  double deviation_mm = 0.0;  ///< Of the correction by the inputs, root mean square.
-  double cv_error_mm = 0.0;   ///< Cross-validated error of the correction, root mean square.
-  double correlation = 0.0;   ///< Of fine and coarse deviations from their means.
+  double mean_mm = 0.0;         ///< Mean of the absolute mean correction, over the moved skin.
+  double deviation_mm = 0.0;    ///< Of the correction by the inputs, root mean square.
+  double cv_error_mm = 0.0;     ///< Cross-validated error of the correction, root mean square.
+  double correlation = 0.0;     ///< Of fine and coarse deviations from their means.
   double band_change_mm = 0.0;  ///< Mean band width with minus without the correction.
 };
 
@@ -69,8 +69,8 @@ struct FaceStatistics {
 
 inline constexpr std::array kBandProbabilities{0.05, 0.50, 0.95};
 inline constexpr int kSurrogateDraws = 4000;
-inline constexpr int kReplicates = 200;       ///< Of the bootstrap of Sobol indices.
-inline constexpr int kBandReplicates = 40;    ///< Of the bootstrap of the band.
+inline constexpr int kReplicates = 200;     ///< Of the bootstrap of Sobol indices.
+inline constexpr int kBandReplicates = 40;  ///< Of the bootstrap of the band.
 inline constexpr double kIntervalLevel = 0.9;
 
 /// \param face     its inputs, design and skin.

@@ -67,9 +67,9 @@ std::vector<RigidTransform> poses_of(const FaceVariant& variant,
   std::vector<RigidTransform> poses_LB;
   for (std::size_t k = 0; k < shift_mm.size(); ++k) {
     const RigidTransform& planned_LB = variant.planned_LB[k];
-    poses_LB.push_back(geometry::rigid_motion(shift_mm[k], turn_rad[k],
-                                              planned_LB * variant.centroids_B[k]) *
-                       planned_LB);
+    poses_LB.push_back(
+        geometry::rigid_motion(shift_mm[k], turn_rad[k], planned_LB * variant.centroids_B[k]) *
+        planned_LB);
   }
   return poses_LB;
 }
@@ -91,15 +91,15 @@ Result<FaceVariant> make_variant(const PreparedCase& prepared, const predict::Ti
                                  const geometry::TriangleMesh& skin_L, const StageCache& cache,
                                  Progress& progress) {
   const std::vector<geometry::RigidPath> paths = prepared.paths();
-  FaceVariant variant{.names = {},
-                      .options = {tissue, prepared.plan.boundary, prepared.plan.contact,
-                                  prepared.plan.solver},
-                      .model = {},
-                      .embedding = {},
-                      .planned_LB = geometry::poses_at(paths, 1.0),
-                      .way_LB = poses_at_keyframes(paths),
-                      .centroids_B = {},
-                      .nominal = {}};
+  FaceVariant variant{
+      .names = {},
+      .options = {tissue, prepared.plan.boundary, prepared.plan.contact, prepared.plan.solver},
+      .model = {},
+      .embedding = {},
+      .planned_LB = geometry::poses_at(paths, 1.0),
+      .way_LB = poses_at_keyframes(paths),
+      .centroids_B = {},
+      .nominal = {}};
   if (margin_mm) variant.options.boundary.elevation_margin_mm = margin_mm;
   variant.options.solver.relative_tolerance =
       std::max(variant.options.solver.relative_tolerance, kSampleTolerance);
@@ -112,12 +112,13 @@ Result<FaceVariant> make_variant(const PreparedCase& prepared, const predict::Ti
     variant.centroids_B.push_back(
         sum / double(std::max<std::size_t>(1, segment.surface_B.vertices.size())));
   }
-  variant.embedding = predict::embed_skin(
-      skin_L, variant.model.tissue,
-      predict::embedding_distance_mm(tissue, prepared.scan_grid.spacing_mm));
+  variant.embedding =
+      predict::embed_skin(skin_L, variant.model.tissue,
+                          predict::embedding_distance_mm(tissue, prepared.scan_grid.spacing_mm));
   progress.begin_stage("nominal equilibrium");
-  LEFORT_TRY(const std::unique_ptr<predict::FaceResponse> response,
-             predict::FaceResponse::create(variant.model, variant.names, variant.options, progress));
+  LEFORT_TRY(
+      const std::unique_ptr<predict::FaceResponse> response,
+      predict::FaceResponse::create(variant.model, variant.names, variant.options, progress));
   LEFORT_TRY(variant.nominal, solve_from_rest(*response, variant, variant.planned_LB, progress));
   return variant;
 }
@@ -134,9 +135,8 @@ Result<SampleSolution> solve_sample(const FaceVariant& variant,
              start == StartState::kNominal
                  ? response->solve(poses_LB, variant.nominal, progress)
                  : solve_from_rest(*response, variant, poses_LB, progress));
-  return SampleSolution{
-      predict::skin_displacement(variant.embedding, state.displacement_mm()),
-      response->newton_iterations()};
+  return SampleSolution{predict::skin_displacement(variant.embedding, state.displacement_mm()),
+                        response->newton_iterations()};
 }
 
 std::vector<Vec3> nominal_skin_mm(const FaceVariant& variant) {

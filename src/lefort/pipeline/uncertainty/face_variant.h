@@ -37,10 +37,10 @@ struct FaceVariant {
   std::vector<std::string> names;  ///< Of the segments.
   predict::PredictionOptions options;
   predict::FaceModel model;
-  predict::SkinEmbedding embedding;         ///< Of the skin of the plan.
-  std::vector<RigidTransform> planned_LB;   ///< Final pose of each segment.
+  predict::SkinEmbedding embedding;                 ///< Of the skin of the plan.
+  std::vector<RigidTransform> planned_LB;           ///< Final pose of each segment.
   std::vector<std::vector<RigidTransform>> way_LB;  ///< Poses at keyframes, the last are the final.
-  std::vector<Vec3> centroids_B;            ///< Of the vertices of each segment.
+  std::vector<Vec3> centroids_B;                    ///< Of the vertices of each segment.
   predict::FaceState nominal;
 };
 

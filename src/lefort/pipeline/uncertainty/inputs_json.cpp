@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 using uncertainty::Distribution;
 using uncertainty::DistributionKind;
 
-constexpr std::array kKinds{DistributionKind::kNormal,   DistributionKind::kTruncatedNormal,
-                            DistributionKind::kUniform,  DistributionKind::kLogNormal,
+constexpr std::array kKinds{DistributionKind::kNormal,     DistributionKind::kTruncatedNormal,
+                            DistributionKind::kUniform,    DistributionKind::kLogNormal,
                             DistributionKind::kTriangular, DistributionKind::kDiscrete};
 
 /// Names of the numbers that a kind needs.

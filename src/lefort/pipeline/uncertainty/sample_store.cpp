@@ -12,7 +12,7 @@
 namespace lefort::pipeline {
 namespace {
 
-constexpr std::size_t kDigest = 64;  // Hexadecimal digits of SHA-256.
+constexpr std::size_t kDigest = 64;                      // Hexadecimal digits of SHA-256.
 constexpr std::size_t kHead = 2 + sizeof(std::int64_t);  // Kind, start, Newton iterations.
 constexpr std::uintmax_t kMaxBytes = 1 << 28;
 

@@ -114,28 +114,27 @@ Result<PreparedCase> UncertainCase::prepare_anatomy(const VariantKey& key, Progr
   io::PlanFile plan = plan_;
   std::string text = plan_text_;
   if (key.landmark_mm != 0.0) {
-    text = io::with_landmarks(text,
-                              displaced_landmarks(plan_.landmarks, key.landmark_mm, job_.seed));
+    text =
+        io::with_landmarks(text, displaced_landmarks(plan_.landmarks, key.landmark_mm, job_.seed));
     LEFORT_TRY(io::PlanText changed, io::parse_completed_plan(job_.plan, text));
     plan = std::move(changed.plan);
   }
   plan.segmentation.bone_hu += key.threshold_hu;
-  if (key != middle_key_ || job_.fine_samples == 0)
-    plan.tissue = coarse_with_skin(plan.tissue);
+  if (key != middle_key_ || job_.fine_samples == 0) plan.tissue = coarse_with_skin(plan.tissue);
   return prepare_case(std::move(plan), io::Sha256().add(text).hex(), ct_, cache_, progress);
 }
 
 Result<void> UncertainCase::prepare(Progress& progress) {
   LEFORT_TRY(prepared_, prepare_anatomy(middle_key_, progress));
   LEFORT_TRY(FaceVariant middle,
-             make_variant(*prepared_, coarse_with_skin(plan_.tissue),
-                          middle_key_.margin_mm, prepared_->skin_L, cache_, progress));
+             make_variant(*prepared_, coarse_with_skin(plan_.tissue), middle_key_.margin_mm,
+                          prepared_->skin_L, cache_, progress));
   variants_[middle_key_] = std::make_unique<FaceVariant>(std::move(middle));
   find_skin();
   io::Sha256 key;
   key.add(kRevision).add(kVersion).add(plan_text_).add(prepared_->provenance.ct_sha256);
-  for (const io::InputFile& file : io::fingerprints(plan_text_, job_.plan).value_or(
-           std::vector<io::InputFile>{}))
+  for (const io::InputFile& file :
+       io::fingerprints(plan_text_, job_.plan).value_or(std::vector<io::InputFile>{}))
     key.add(file.name).add(file.sha256);
   key.add(as_json(entries_).dump()).add(double(job_.seed));
   store_ = SampleStore(job_.output / "samples", key.hex());
@@ -162,6 +161,12 @@ VariantKey UncertainCase::key_of(Index sample) const {
   return variant_of(inputs_.inputs, values_of(sample));
 }
 
+std::size_t UncertainCase::model_count() const {
+  std::set<VariantKey> keys;
+  for (Index i = 0; i < points_.rows(); ++i) keys.insert(key_of(i));
+  return keys.size();
+}
+
 std::vector<double> UncertainCase::values_of(Index sample) const {
   const VectorX row = points_.row(sample);
   return {row.data(), row.data() + row.size()};
@@ -186,18 +191,18 @@ Result<void> UncertainCase::prepare_variants(std::span<const Index> samples, Pro
     if (!is_middle && current != anatomy(key)) {
       current = anatomy(key);
       QuietProgress quiet(progress);
-      progress.begin_stage(fmt::format("prepare the case with bone from {:+.0f} HU, landmarks "
-                                       "{:+.1f} mm",
-                                       key.threshold_hu, key.landmark_mm));
+      progress.begin_stage(
+          fmt::format("prepare the case with bone from {:+.0f} HU, landmarks "
+                      "{:+.1f} mm",
+                      key.threshold_hu, key.landmark_mm));
       other = prepare_anatomy(key, quiet);
     }
     const auto make = [&]() -> Result<FaceVariant> {
       if (!is_middle && !other) return tl::unexpected(other.error());
       QuietProgress quiet(progress);
       progress.begin_stage("model of another level");
-      return make_variant(is_middle ? *prepared_ : *other,
-                          coarse_with_skin(plan_.tissue), key.margin_mm,
-                          skin_.skin_L, cache_, quiet);
+      return make_variant(is_middle ? *prepared_ : *other, coarse_with_skin(plan_.tissue),
+                          key.margin_mm, skin_.skin_L, cache_, quiet);
     };
     Result<FaceVariant> made = make();
     if (made)
@@ -215,8 +220,7 @@ SampleResult UncertainCase::solve_one(const FaceVariant& variant, Index sample, 
                                       Progress& progress) const {
   const std::vector<double> values = values_of(sample);
   SampleResult result;
-  Result<SampleSolution> solved =
-      solve_sample(variant, inputs_.inputs, values, start, progress);
+  Result<SampleSolution> solved = solve_sample(variant, inputs_.inputs, values, start, progress);
   if (!solved && start == StartState::kNominal && !progress.stop_requested()) {
     result.is_from_rest = true;
     solved = solve_sample(variant, inputs_.inputs, values, StartState::kRest, progress);
@@ -227,8 +231,8 @@ SampleResult UncertainCase::solve_one(const FaceVariant& variant, Index sample, 
   }
   result.newton_iterations = solved->newton_iterations;
   for (const std::int32_t v : skin_.vertices)
-    result.normal_mm.push_back(float(
-        solved->skin_mm[std::size_t(v)].dot(skin_.normals_L[std::size_t(v)])));
+    result.normal_mm.push_back(
+        float(solved->skin_mm[std::size_t(v)].dot(skin_.normals_L[std::size_t(v)])));
   return result;
 }
 

@@ -29,7 +29,7 @@ struct SampledSkin {
   std::vector<Vec3> normals_L;
   std::vector<std::int32_t> vertices;  ///< That the tissue mesh can move.
   std::vector<double> area_mm2;        ///< One per entry of `vertices`.
-  std::vector<char> is_moved;  ///< The nominal displacement exceeds 0.5 mm; as `vertices`.
+  std::vector<char> is_moved;          ///< The nominal displacement exceeds 0.5 mm; as `vertices`.
 };
 
 /// All samples of a kind.
@@ -59,8 +59,8 @@ class UncertainCase {
   [[nodiscard]] const PreparedCase& prepared() const { return *prepared_; }
   [[nodiscard]] const FaceVariant& middle() const { return *variants_.at(middle_key_); }
   [[nodiscard]] const std::string& plan_text() const { return plan_text_; }
-  /// Models of the levels that were prepared, and why others could not be.
-  [[nodiscard]] std::size_t variant_count() const { return variants_.size(); }
+  /// Number of combinations of levels in the design.
+  [[nodiscard]] std::size_t model_count() const;
 
  private:
   explicit UncertainCase(const UncertaintyJob& job)

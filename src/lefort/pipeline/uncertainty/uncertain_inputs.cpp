@@ -31,15 +31,16 @@ constexpr std::array kParameters{
     InputParameter{"skin_ratio_factor",
                    "factor on Young's modulus of skin; that of the deep tissue stays", "", "tissue",
                    InputEffect::kForces, 0.01, 100.0},
-    InputParameter{"interface_layer_mm",
-                   "thickness of the elastic layer below sliding tissue; its stiffness is inversely "
-                   "proportional",
-                   "mm", "interface", InputEffect::kForces, 0.01, 100.0},
+    InputParameter{
+        "interface_layer_mm",
+        "thickness of the elastic layer below sliding tissue; its stiffness is inversely "
+        "proportional",
+        "mm", "interface", InputEffect::kForces, 0.01, 100.0},
     InputParameter{"contact_stiffness_factor", "factor in the penalty stiffness of contact", "",
                    "interface", InputEffect::kForces, 0.01, 1000.0},
     InputParameter{"elevation_margin_mm",
-                   "distance from an osteotomy within which tissue is elevated, on both sides", "mm",
-                   "interface", InputEffect::kBoundary, 0.0, 60.0},
+                   "distance from an osteotomy within which tissue is elevated, on both sides",
+                   "mm", "interface", InputEffect::kBoundary, 0.0, 60.0},
     InputParameter{"bone_threshold_hu", "CT number added to the threshold of bone", "HU", "anatomy",
                    InputEffect::kAnatomy, -150.0, 600.0},
     InputParameter{"landmark_error_mm",
@@ -68,11 +69,10 @@ Distribution truncated_normal(double mean, double deviation) {
 }
 
 bool uses_landmarks(const io::PlanFile& plan) {
-  return !plan.landmarks.empty() &&
-         std::any_of(plan.segments.begin(), plan.segments.end(),
-                     [](const plan::PlannedSegment& segment) {
-                       return segment.osteotomy.procedure.has_value();
-                     });
+  return !plan.landmarks.empty() && std::any_of(plan.segments.begin(), plan.segments.end(),
+                                                [](const plan::PlannedSegment& segment) {
+                                                  return segment.osteotomy.procedure.has_value();
+                                                });
 }
 
 /// Why a parameter has no effect on a plan; empty if it has.
@@ -128,8 +128,7 @@ Result<void> add_execution(const InputEntry& entry, const io::PlanFile& plan, In
     if (entry.segment && *entry.segment != segment) continue;
     is_found = true;
     for (int axis = 0; axis < 3; ++axis) {
-      input.name = fmt::format("{} {}", segment,
-                               (is_rotation ? kTurns : kAxes)[std::size_t(axis)]);
+      input.name = fmt::format("{} {}", segment, (is_rotation ? kTurns : kAxes)[std::size_t(axis)]);
       input.segment = k;
       input.axis = axis;
       all.inputs.push_back(input);
@@ -169,28 +168,57 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
   const double margin_mm = plan.boundary.elevation_margin_mm.value_or(predict::kElevationMargin_mm);
   const double layer_mm = plan.boundary.interface_layer_mm;
   return {
-      {&kParameters[kPoisson], uniform(0.40, 0.49), {}, 3,
-       "0.49 in Nazari 2010, 0.45 by default; soft tissue is nearly incompressible, and the range of "
+      {&kParameters[kPoisson],
+       uniform(0.40, 0.49),
+       {},
+       3,
+       "0.49 in Nazari 2010, 0.45 by default; soft tissue is nearly incompressible, and the range "
+       "of "
        "face models in the literature is 0.40 to 0.49 (assumed uniform)"},
-      {&kParameters[kSkinRatio], lognormal(1.0, 0.5), {}, 3,
+      {&kParameters[kSkinRatio],
+       lognormal(1.0, 0.5),
+       {},
+       3,
        "factor 0.5 for younger and 2 for older skin (Barbarino 2011): lognormal, a factor 2 is two "
        "standard deviations"},
-      {&kParameters[kLayer], lognormal(layer_mm, 0.6 * layer_mm), {}, 3,
-       "assumed: no measurement is known; P5 to P95 of 0.4 to 2.1 times that of the plan includes the range of the modulus "
+      {&kParameters[kLayer],
+       lognormal(layer_mm, 0.6 * layer_mm),
+       {},
+       3,
+       "assumed: no measurement is known; P5 to P95 of 0.4 to 2.1 times that of the plan includes "
+       "the range of the modulus "
        "of loose connective tissue in Iatridis 2003"},
-      {&kParameters[kContact], lognormal(predict::stiffness_factor(plan.contact, plan.tissue),
-                                         0.5 * predict::stiffness_factor(plan.contact, plan.tissue)),
-       {}, 3, "assumed: numerical parameter, varied by a factor of about 2"},
-      {&kParameters[kMargin], truncated_normal(margin_mm, margin_mm / 4.0), {}, 3,
+      {&kParameters[kContact],
+       lognormal(predict::stiffness_factor(plan.contact, plan.tissue),
+                 0.5 * predict::stiffness_factor(plan.contact, plan.tissue)),
+       {},
+       3,
+       "assumed: numerical parameter, varied by a factor of about 2"},
+      {&kParameters[kMargin],
+       truncated_normal(margin_mm, margin_mm / 4.0),
+       {},
+       3,
        "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"},
-      {&kParameters[kThreshold], truncated_normal(0.0, 50.0), {}, 3,
+      {&kParameters[kThreshold],
+       truncated_normal(0.0, 50.0),
+       {},
+       3,
        "assumed: difference of readers and of scanner calibration at the border of bone"},
-      {&kParameters[kLandmarks], truncated_normal(0.0, 1.0), {}, 3,
+      {&kParameters[kLandmarks],
+       truncated_normal(0.0, 1.0),
+       {},
+       3,
        "Swennen 2006: precision of most three-dimensional landmarks about 1 mm along each axis"},
-      {&kParameters[kTranslation], truncated_normal(0.0, 1.0), {}, 3,
+      {&kParameters[kTranslation],
+       truncated_normal(0.0, 1.0),
+       {},
+       3,
        "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
        "(maxilla), 1.1 mm (mandible)"},
-      {&kParameters[kRotation], truncated_normal(0.0, 1.5), {}, 3,
+      {&kParameters[kRotation],
+       truncated_normal(0.0, 1.5),
+       {},
+       3,
        "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 deg "
        "(maxilla), 1.8 deg (mandible)"},
   };
@@ -206,8 +234,9 @@ Result<InputsOfPlan> inputs_of_plan(std::span<const InputEntry> entries, const i
                  (!earlier.segment || !entry.segment || earlier.segment == entry.segment);
         });
     if (is_repeated)
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("input {} is given twice, must be given once", entry.parameter->name));
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("input {} is given twice, must be given once", entry.parameter->name));
     if (std::string why = why_without_effect(*entry.parameter, plan); !why.empty()) {
       all.without_effect.push_back(fmt::format("{}: {}", entry.parameter->name, why));
       continue;

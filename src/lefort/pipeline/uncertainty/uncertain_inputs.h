@@ -18,10 +18,10 @@ namespace lefort::pipeline {
 
 /// What an input changes.
 enum class InputEffect {
-  kForces,     ///< Materials and stiffnesses: the prepared model is used again.
-  kPose,       ///< The final pose of a segment.
-  kBoundary,   ///< Boundary conditions of the same mesh.
-  kAnatomy,    ///< Segmentation or cut: everything is prepared again.
+  kForces,    ///< Materials and stiffnesses: the prepared model is used again.
+  kPose,      ///< The final pose of a segment.
+  kBoundary,  ///< Boundary conditions of the same mesh.
+  kAnatomy,   ///< Segmentation or cut: everything is prepared again.
 };
 
 /// A kind of input.
