@@ -39,7 +39,7 @@ LIBRARIES = {
     "tbb/": {"core"}, "CGAL/": {"mesh", "bench"}, "itk": {"anatomy", "io"}, "gdcm": {"io"},
     "vtk": {"anatomy", "io", "bench"}, "metis.h": {"linear"},
     "nlohmann/": {"io", "bench", "pipeline", "server", "app"}, "valijson/": {"io"}, "CLI/": {"app"}, "httplib.h": {"server"}, "curl/": {"io"},
-    "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "pybind11/": set(), "zlib.h": {"io"}, "expat.h": {"io"}, "seccomp.h": {"io"}, "openssl/": {"io"},
+    "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "pybind11/": set(), "zlib.h": {"io"}, "expat.h": {"io"}, "seccomp.h": {"io"}, "openssl/": {"io"}, "openturns/": {"uncertainty"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",
                       "io/internal/validated_json.h", "io/internal/rename_keys.h", "io/predicted_poses.h",
