@@ -7,7 +7,7 @@ include(GNUInstallDirs)
 
 install(TARGETS lefort RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT lefort)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lefort/examples COMPONENT lefort
-  PATTERN use_* EXCLUDE)
+  PATTERN use_* EXCLUDE PATTERN *.py EXCLUDE)
 
 set(reference ${PROJECT_BINARY_DIR}/reference)
 install(DIRECTORY ${reference}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT lefort)

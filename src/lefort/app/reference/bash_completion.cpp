@@ -54,15 +54,9 @@ std::string extensions_of(std::string_view list) {
   return words;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 /// The call that completes a value; empty if nothing can be proposed.
 std::string completes(const OptionReference& option) {
-  if (!option.choices.empty()) return fmt::format("_lefort_words '{}'", joined(option.choices));
+  if (!option.choices.empty()) return fmt::format("_lefort_words '{}'", join_words(option.choices));
   if (option.path != nullptr && option.path->form == PathForm::kFolder) return "_lefort_folders";
   if (option.path != nullptr)
     return fmt::format("_lefort_paths '{}'", extensions_of(option.path->extensions));
@@ -104,12 +98,12 @@ std::string word_case(const CommandReference& command, const std::string& common
     if (!option.positional.empty() && positional.empty()) positional = completes(option);
   }
   for (const CommandReference& nested : command.commands) commands.push_back(nested.words.back());
-  if (!commands.empty()) positional = fmt::format("_lefort_words '{}'", joined(commands));
+  if (!commands.empty()) positional = fmt::format("_lefort_words '{}'", join_words(commands));
   if (positional.empty()) positional = "COMPREPLY=()";
   const bool is_program = command.words.size() == 1;
   return fmt::format(
       "    '{}')\n      if [[ $cur == -* ]]; then _lefort_words '{}'; else {}; fi ;;\n",
-      key_of(command), joined(options) + (is_program ? " --help" : " --help " + common),
+      key_of(command), join_words(options) + (is_program ? " --help" : " --help " + common),
       positional);
 }
 
@@ -125,7 +119,7 @@ std::string bash_completion(const CommandReference& program) {
     if (!is_program)
       commands += fmt::format("{}'{}'", commands.empty() ? "" : "|", key_of(command));
     if (!is_program) values += value_cases(command, false);
-    words += word_case(command, joined(common));
+    words += word_case(command, join_words(common));
   });
   values += value_cases(program, true);
   std::string text = kFunctions;

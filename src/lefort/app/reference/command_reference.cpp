@@ -42,6 +42,7 @@ OptionReference describe_option(CLI::Option& option) {
   for (const std::string& name : option.get_lnames()) found.names.push_back("--" + name);
   if (option.get_positional()) found.positional = option.get_name(true);
   found.description = option.get_description();
+  found.group = option.get_group();
   found.default_text = option.get_default_str();
   found.is_required = option.get_required();
   found.has_relation = !option.get_needs().empty() || !option.get_excludes().empty();
@@ -87,6 +88,10 @@ std::string OptionReference::long_name() const {
 }
 
 std::string CommandReference::joined(const std::string& separator) const {
+  return join_words(words, separator);
+}
+
+std::string join_words(const std::vector<std::string>& words, const std::string& separator) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
   return text;

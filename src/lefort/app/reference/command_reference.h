@@ -19,6 +19,7 @@ struct OptionReference {
   std::vector<std::string> names;  ///< With hyphens, short ones first; empty: only positional.
   std::string positional;          ///< Name as a positional argument; empty: it is an option only.
   std::string description;
+  std::string group;                 ///< Heading of the help text; "Options" unless set.
   std::string value;                 ///< Name of the value: TEXT, INT, FOLDER, ...; empty: a flag.
   std::string default_text;          ///< Value if it is not given; empty: none.
   std::vector<std::string> choices;  ///< The values accepted; empty: any.
@@ -45,6 +46,10 @@ struct CommandReference {
   /// The words, joined.
   [[nodiscard]] std::string joined(const std::string& separator) const;
 };
+
+/// Words with a separator between them.
+[[nodiscard]] std::string join_words(const std::vector<std::string>& words,
+                                     const std::string& separator = " ");
 
 /// Describes a program or command and its nested commands. Hidden options (of the group "") and
 /// hidden commands are left out, and so is --help.

@@ -11,25 +11,35 @@
 namespace lefort::app {
 namespace {
 
-/// Text of a program: each hyphen is a minus sign, as one types it.
+/// A character for troff, as one types it in a program: a hyphen is a minus sign.
+std::string code_character(char c) {
+  switch (c) {
+    case '\\':
+      return "\\e";
+    case '-':
+      return "\\-";
+    case '\'':
+      return "\\(aq";
+    case '^':
+      return "\\(ha";
+    case '~':
+      return "\\(ti";
+    default:
+      return std::string(1, c);
+  }
+}
+
+/// A line that begins with a period or quote would be a request.
+std::string protect_begin(const std::string& text) {
+  const bool is_request = !text.empty() && (text.front() == '.' || text.front() == '\'');
+  return is_request ? "\\&" + text : text;
+}
+
+/// Text of a program.
 std::string code(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
-    if (c == '\\')
-      escaped += "\\e";
-    else if (c == '-')
-      escaped += "\\-";
-    else if (c == '\'')
-      escaped += "\\(aq";
-    else if (c == '^')
-      escaped += "\\(ha";
-    else if (c == '~')
-      escaped += "\\(ti";
-    else
-      escaped += c;
-  }
-  const bool is_request = !escaped.empty() && escaped.front() == '.';
-  return is_request ? "\\&" + escaped : escaped;
+  for (const char c : text) escaped += code_character(c);
+  return protect_begin(escaped);
 }
 
 /// Prose: options keep their hyphens, `quoted` commands are bold.
@@ -44,11 +54,10 @@ std::string prose(std::string_view text) {
     } else if (text[at] == '-' && (in_code || before == ' ' || before == '(' || before == '-')) {
       escaped += "\\-";
     } else {
-      escaped += text[at] == '-' ? "-" : code(text.substr(at, 1));
+      escaped += text[at] == '-' ? "-" : code_character(text[at]);
     }
   }
-  const bool is_request = !escaped.empty() && (escaped.front() == '.' || escaped.front() == '\'');
-  return is_request ? "\\&" + escaped : escaped;
+  return protect_begin(escaped);
 }
 
 std::string sentence(std::string text) {
@@ -94,9 +103,10 @@ std::string synopsis(const CommandReference& command) {
   if (!command.commands.empty()) return text + "\\fICOMMAND\\fR [\\fIoptions\\fR]\n";
   text += "[\\fIoptions\\fR]";
   for (const OptionReference& option : command.options) {
-    const std::string shown = option.positional.empty()
-                                  ? heading(option)
-                                  : fmt::format("\\fI{}\\fR", code(option.positional));
+    const std::string shown =
+        option.positional.empty()
+            ? fmt::format("\\fB{}\\fR \\fI{}\\fR", code(option.names.front()), code(option.value))
+            : fmt::format("\\fI{}\\fR", code(option.positional));
     const bool is_listed = option.is_required || !option.positional.empty();
     if (!is_listed) continue;
     const std::string dots = option.is_many && !option.positional.empty() ? " ..." : "";
@@ -105,11 +115,12 @@ std::string synopsis(const CommandReference& command) {
   return text + "\n";
 }
 
+template <class Filter>
 std::string options_section(const std::string& title, const CommandReference& command,
-                            bool positional) {
+                            Filter&& filter) {
   std::string text;
   for (const OptionReference& option : command.options)
-    if (option.names.empty() == positional)
+    if (filter(option))
       text += fmt::format(".TP\n{}\n{}\n", heading(option), description_of(option));
   return text.empty() ? text : fmt::format(".SH {}\n{}", title, text);
 }
@@ -183,9 +194,14 @@ std::string man_page(const CommandReference& command, const CommandReference& pr
                                             : command.description)));
   for (const std::string& note : command.notes) text += ".PP\n" + prose(sentence(note)) + "\n";
   text += commands_section(command);
-  text += options_section("ARGUMENTS", command, true);
-  text += options_section("OPTIONS", command, false);
-  if (!is_program) text += options_section("OPTIONS OF ALL COMMANDS", program, false);
+  const auto is_argument = [](const OptionReference& one) { return one.names.empty(); };
+  const auto is_option = [](const OptionReference& one) { return !one.names.empty(); };
+  const auto is_common = [](const OptionReference& one) {
+    return one.group == "Options" && one.long_name() != "version";
+  };
+  text += options_section("ARGUMENTS", command, is_argument);
+  text += options_section("OPTIONS", command, is_option);
+  if (!is_program) text += options_section("OPTIONS OF ALL COMMANDS", program, is_common);
   text += examples_section(command);
   text +=
       ".SH EXIT STATUS\n"

@@ -11,12 +11,6 @@
 namespace lefort::app {
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 /// A name that begins with a letter and has letters, digits and underscores.
 std::string identifier(std::string text) {
   std::ranges::replace_if(
@@ -24,8 +18,12 @@ std::string identifier(std::string text) {
   return text;
 }
 
-/// "Element size" from "element-size".
+/// "Element size" from "element-size", "Bone HU" from "bone-hu".
 std::string label_of(std::string text) {
+  if (text == "ct") return "CT";
+  if (text.ends_with("-hu") || text.ends_with("-ct"))
+    std::transform(text.end() - 2, text.end(), text.end() - 2,
+                   [](unsigned char c) { return std::toupper(c); });
   std::ranges::replace(text, '-', ' ');
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
@@ -65,7 +63,8 @@ std::string default_of(const OptionReference& option, const std::string& element
 /// The description, with what the element cannot express.
 std::string help_of(const OptionReference& option, const std::string& element) {
   std::string text = option.description;
-  if (element == "string" && !option.choices.empty()) text += "; one of: " + joined(option.choices);
+  if (element == "string" && !option.choices.empty())
+    text += "; one of: " + join_words(option.choices);
   if (element == "string" && option.has_relation && !option.default_text.empty())
     text += "; default: " + option.default_text;
   if (option.is_required) text += " (required)";
@@ -131,7 +130,7 @@ Result<std::string> slicer_description(const CommandReference& command,
   if (module == slicer_modules().end()) {
     std::string names;
     for (const SlicerModule& one : slicer_modules())
-      names += (names.empty() ? "" : ", ") + joined(one.words);
+      names += (names.empty() ? "" : ", ") + join_words(one.words);
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("{} is not a module of 3D Slicer; modules are {}", command.joined(" "), names));
@@ -174,7 +173,7 @@ std::string slicer_wrapper(const SlicerModule& module) {
       "lefort=$(dirname \"$0\")/../../../bin/lefort\n"
       "[ -x \"$lefort\" ] || lefort=lefort\n"
       "exec \"$lefort\" --slicer-progress {0} \"$@\"\n",
-      joined(module.words));
+      join_words(module.words));
 }
 
 }  // namespace lefort::app
