@@ -65,8 +65,7 @@ void visit_samples(const DistanceField& field, const Points& points, bool smooth
   if (smooth && !field.is_smooth())
     raise_invalid("the field was built without smooth=True, which smooth interpolation needs");
   const auto all = points.all();
-  const RunningCall running;
-  const py::gil_scoped_release released;
+  const WithoutGil without_gil;
   const auto sample_block = [&]<class Sample>(Sample, auto query) {
     parallel_for_blocks(
         points.count(),

@@ -14,10 +14,9 @@ lefort.write_surface("a.stl", lefort.TriangleMesh([[0,0,0],[1,0,0],[0,1,0],[0,0,
 """
 
 
-def run(code: str, folder, **options) -> subprocess.CompletedProcess[str]:
-    (folder / "main.py").write_text(HEAD + code)
-    return subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120,
-                          **options)
+def run(code: str, folder, before: str = "") -> subprocess.CompletedProcess[str]:
+    (folder / "main.py").write_text(before + HEAD + code)
+    return subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
 
 
 def readers_below(parent: int) -> list[str]:
@@ -63,6 +62,16 @@ time.sleep(0.2)
 """
     done = run(code, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_functions_called_at_exit_may_use_lefort(tmp_path):
+    before = "import atexit; atexit.register(lambda: at_exit())"  # Called after the handler of lefort.
+    code = """
+def at_exit():
+    print(lefort.DistanceField.build(lefort.read_surface("a.stl"), resolution=16).resolution)
+"""
+    done = run(code, tmp_path, before=before)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "16\n", "")
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
