@@ -78,7 +78,7 @@ TEST_F(OptimizeCommand, RecoversTheMovementFromThePredictedFace) {
       "target.json",
       {{"lefort_target", 1},
        {"surfaces", {{{"name", "face"}, {"file", "truth/predicted_skin.stl"}}}},
-       {"bodies", {{{"segments", {"front"}}, {"free", {"transverse", "anterior", "vertical"}}}}}});
+       {"bodies", {{{"segments", {"front"}}, {"free", {"left", "anterior", "superior"}}}}}});
   write("start.json", plan_with({1.0, -1.0, -1.5}));
   const auto run = optimize("", "start.json");
   ASSERT_EQ(run.exit_code, 0) << run.error;

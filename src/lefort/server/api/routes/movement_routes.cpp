@@ -114,8 +114,8 @@ std::vector<Vec3> as_axes(const json& free) {
   std::vector<Vec3> axes_L;
   for (const json& name : free) {
     if (name == "anterior") axes_L.push_back(-Vec3::UnitY());
-    if (name == "vertical") axes_L.push_back(Vec3::UnitZ());
-    if (name == "transverse") axes_L.push_back(Vec3::UnitX());
+    if (name == "superior") axes_L.push_back(Vec3::UnitZ());
+    if (name == "left") axes_L.push_back(Vec3::UnitX());
   }
   return axes_L;
 }
