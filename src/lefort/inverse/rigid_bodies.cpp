@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lefort::inverse {
 namespace {
 
-constexpr double kRadPerDeg = EIGEN_PI / 180.0;
+constexpr double kRadPerDeg = radians_from_degrees(1.0);
 
 Result<void> check_body(const RigidBody& body) {
   for (std::size_t i = 0; i < 6; ++i) {

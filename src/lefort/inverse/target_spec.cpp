@@ -9,14 +9,16 @@
 namespace lefort::inverse {
 namespace {
 
-auto invalid(std::string message) { return fail(ErrorCode::kInvalidArgument, std::move(message)); }
+auto not_applicable(std::string message) {
+  return fail(ErrorCode::kInvalidArgument, std::move(message));
+}
 
 Result<LandmarkTarget> apply(const LandmarkSpec& spec, const plan::Landmarks& landmarks) {
   LandmarkTarget target{.name = spec.name, .weight = spec.weight};
   const std::optional<Vec3> at_L =
       spec.at_L ? spec.at_L : plan::find_landmark(landmarks, spec.name);
   if (!at_L)
-    return invalid(fmt::format(
+    return not_applicable(fmt::format(
         "landmark {} is not in the plan, and the target gives no at_mm for it", spec.name));
   target.point_L = *at_L;
   target.to_L = spec.to_L ? *spec.to_L : *at_L + spec.by_mm.value_or(Vec3::Zero());
@@ -60,7 +62,7 @@ Result<ProfileTarget> apply(const ProfileSpec& spec, const geometry::Bvh& skin,
   ProfileTarget target{.name = spec.name, .points = {}, .weight = spec.weight};
   const std::optional<double> x_mm = spec.x_mm ? spec.x_mm : midsagittal_x_mm(landmarks);
   if (!x_mm)
-    return invalid(
+    return not_applicable(
         fmt::format("profile {}: x_mm of its plane is missing, and the plan has no "
                     "landmarks in the midsagittal plane",
                     spec.name));
@@ -71,7 +73,7 @@ Result<ProfileTarget> apply(const ProfileSpec& spec, const geometry::Bvh& skin,
       constexpr double kFar_mm = 1e4;
       const auto hit = skin.first_hit(Vec3(*x_mm, -kFar_mm, point.z_mm), Vec3::UnitY());
       if (!hit)
-        return invalid(
+        return not_applicable(
             fmt::format("profile {}: there is no skin at the height {:g} mm in the plane "
                         "x = {:g} mm",
                         spec.name, point.z_mm, *x_mm));
@@ -91,7 +93,8 @@ Result<ProfileTarget> apply(const ProfileSpec& spec, const geometry::Bvh& skin,
       if (const auto y_mm = y_at(spec.polyline_mm, z_mm)) target.points.push_back({z_mm, *y_mm});
     }
   }
-  if (target.points.empty()) return invalid(fmt::format("profile {} has no points", spec.name));
+  if (target.points.empty())
+    return not_applicable(fmt::format("profile {} has no points", spec.name));
   return target;
 }
 
@@ -153,10 +156,10 @@ Result<std::vector<RigidBody>> bodies_of(const TargetSpec& spec,
       const auto found = std::find_if(paths.begin(), paths.end(),
                                       [&](const auto& path) { return path.segment == name; });
       if (found == paths.end())
-        return invalid(fmt::format("body {}: the plan has no segment {}", of.name, name));
+        return not_applicable(fmt::format("body {}: the plan has no segment {}", of.name, name));
       const auto k = std::size_t(found - paths.begin());
       if (!owner[k].empty())
-        return invalid(
+        return not_applicable(
             fmt::format("segment {} belongs to the bodies {} and {}", name, owner[k], of.name));
       owner[k] = of.name;
       segments.push_back(k);

@@ -101,7 +101,7 @@ class FaceBody {
   /// \returns the displacements of all prescribed nodes at poses of the segments.
   [[nodiscard]] std::vector<fem::PrescribedDisplacement> prescribed_at(
       std::span<const RigidTransform> X_LB) const;
-  [[nodiscard]] double contact_stiffness_mpa_per_mm() const { return stiffness_mpa_per_mm_; }
+  [[nodiscard]] double penalty_stiffness_mpa_per_mm() const { return stiffness_mpa_per_mm_; }
   [[nodiscard]] double rest_penetration_mm() const { return rest_penetration_mm_; }
   /// \returns contact of each segment; empty if tissue touches none, or with weighted gaps.
   [[nodiscard]] std::span<const contact::ContactTerm> segment_contacts() const {

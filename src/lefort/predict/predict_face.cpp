@@ -96,7 +96,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
   for (const geometry::RigidPath& one : paths) names.push_back(one.segment);
   LEFORT_TRY(path->body_,
              FaceBody::create(model, std::move(names), distance_queries_B, options, progress));
-  path->prediction_.contact_stiffness_mpa_per_mm = path->body_->contact_stiffness_mpa_per_mm();
+  path->prediction_.contact_stiffness_mpa_per_mm = path->body_->penalty_stiffness_mpa_per_mm();
   path->prediction_.rest_penetration_mm = path->body_->rest_penetration_mm();
   double max_distance_mm = std::numeric_limits<double>::infinity();
   for (const auto& distance_query_B : distance_queries_B)

@@ -13,8 +13,9 @@
 
 namespace lefort::pipeline {
 
-/// A target counts as reached up to this root mean square of its residuals: about the repeatability
-/// of a landmark on a face surface (\cite aynechi2011).
+/// A target counts as reached up to this root mean square of its residuals: below it two faces are
+/// not distinguished in comparisons of predicted and postoperative faces, whose errors are 1
+/// mm and more (docs/guide/validate.md).
 inline constexpr double kReached_mm = 0.5;
 
 /// One target at the certified face.
