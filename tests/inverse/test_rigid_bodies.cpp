@@ -31,9 +31,21 @@ TEST(RigidBodies, NumbersAreInTheAxesOfTheSurgeon) {
   EXPECT_EQ(keyframe_of(anterior, Vec3::Zero()).translation_mm, Vec3(0.0, -3.0, 0.0));
   EXPECT_EQ(keyframe_of(vertical, Vec3::Zero()).translation_mm, Vec3(0.0, 0.0, 2.0));
   EXPECT_EQ(keyframe_of(left, Vec3::Zero()).translation_mm, Vec3(1.0, 0.0, 0.0));
+  // Pitch raises the front, roll the left side; yaw turns the front to the left.
+  MotionVector turn = MotionVector::Zero();
+  const auto moved = [&](Index number, const Vec3& p_L) {
+    turn.setZero();
+    turn[number] = 1.0;
+    const auto key = keyframe_of(turn, Vec3::Zero());
+    return Vec3(geometry::rigid_motion(key.translation_mm, key.rotation_rad, key.center_L) * p_L -
+                p_L);
+  };
+  EXPECT_GT(moved(3, Vec3(0, -100, 0)).z(), 1.0);
+  EXPECT_GT(moved(4, Vec3(100, 0, 0)).z(), 1.0);
+  EXPECT_GT(moved(5, Vec3(0, -100, 0)).x(), 1.0);
   const RigidBody body = jaw();
   const auto key = keyframe_of(body.start, body.center_L);
-  EXPECT_NEAR(key.rotation_rad.x(), 2.0 * std::acos(-1.0) / 180.0, 1e-15);
+  EXPECT_NEAR(-key.rotation_rad.x(), 2.0 * std::acos(-1.0) / 180.0, 1e-15);
   const RigidTransform X_LB =
       geometry::rigid_motion(key.translation_mm, key.rotation_rad, key.center_L);
   EXPECT_LT((motion_of(X_LB, body.center_L) - body.start).norm(), 1e-12);
@@ -88,7 +100,7 @@ TEST(RigidBodies, ImpossibleLimitsAreErrors) {
   RigidBody body = jaw();
   body.lower[2] = 1.0;
   body.upper[2] = -1.0;
-  EXPECT_EQ(error_of(body), "body jaw: the bounds of vertical contradict each other, 1 > -1");
+  EXPECT_EQ(error_of(body), "body jaw: the bounds of superior contradict each other, 1 > -1");
   body = jaw();
   body.is_free.fill(false);
   EXPECT_EQ(error_of(body), "no number of any movement is free: nothing can be optimized");
@@ -100,7 +112,7 @@ TEST(RigidBodies, ImpossibleLimitsAreErrors) {
             "-20 to 2");
   body = jaw();
   body.start[0] = std::nan("");
-  EXPECT_EQ(error_of(body), "body jaw: transverse is not finite");
+  EXPECT_EQ(error_of(body), "body jaw: left is not finite");
   EXPECT_EQ(error_of(jaw()), "");
 }
 

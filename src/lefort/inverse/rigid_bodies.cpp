@@ -37,14 +37,15 @@ Result<void> check_body(const RigidBody& body) {
 
 geometry::Keyframe keyframe_of(const MotionVector& motion, const Vec3& center_L) {
   return {.translation_mm = Vec3(motion[0], -motion[1], motion[2]),
-          .rotation_rad = kRadPerDeg * motion.tail<3>(),
+          .rotation_rad = kRadPerDeg * Vec3(-motion[3], -motion[4], motion[5]),
           .center_L = center_L};
 }
 
 MotionVector motion_of(const RigidTransform& X_LB, const Vec3& center_L) {
   const Vec3 shift = X_LB * center_L - center_L;
+  const Vec3 turn_deg = geometry::rotation_vector(X_LB.linear()) / kRadPerDeg;
   MotionVector motion;
-  motion << shift.x(), -shift.y(), shift.z(), geometry::rotation_vector(X_LB.linear()) / kRadPerDeg;
+  motion << shift.x(), -shift.y(), shift.z(), -turn_deg.x(), -turn_deg.y(), turn_deg.z();
   return motion;
 }
 
@@ -121,6 +122,7 @@ std::vector<predict::PoseRate> MotionVariables::rates(const VectorX& x) const {
     geometry::MotionRate rate = geometry::motion_rates(key.translation_mm, key.rotation_rad,
                                                        key.center_L)[std::size_t(component)];
     if (component == 1) rate.translation *= -1.0;  // Anterior is -y.
+    if (component == 3 || component == 4) rate.rotation_rad *= -1.0;
     rate.rotation_rad *= kRadPerDeg;
     predict::PoseRate& of = all.emplace_back();
     for (const std::size_t segment : body.segments) of.emplace_back(segment, rate);

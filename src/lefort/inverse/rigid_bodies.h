@@ -18,12 +18,12 @@
 
 namespace lefort::inverse {
 
-/// The six numbers of a motion, in the order of their names. Translations are those of the center of
-/// rotation: to the patient's left, to anterior, to superior [mm]. Rotations are the components of
-/// the rotation vector about the axes x (to the left), y (to posterior), z (to superior) [degrees],
-/// as rotation_deg in plan files.
-inline constexpr std::array<const char*, 6> kMotionNames{"transverse", "anterior", "vertical",
-                                                         "pitch",      "roll",     "yaw"};
+/// The six numbers of a motion, in the order of their names, as in the planner. Translations are
+/// those of the center of rotation: to the patient's left, to anterior, to superior [mm]. Rotations
+/// are components of the rotation vector [degrees]: pitch raises the front, roll raises the left
+/// side, yaw turns the front to the left. rotation_deg of plan files is (-pitch, -roll, yaw).
+inline constexpr std::array<const char*, 6> kMotionNames{"left",  "anterior", "superior",
+                                                         "pitch", "roll",     "yaw"};
 using MotionVector = Eigen::Matrix<double, 6, 1>;
 
 /// \returns the motion about a center as a keyframe.

@@ -31,61 +31,62 @@ std::optional<double> number_at(const Json& object, const char* key) {
   return std::nullopt;
 }
 
-Result<inverse::LandmarkSpec> read_landmark(const Json& json) {
-  inverse::LandmarkSpec spec{.name = json["name"].get<std::string>(),
-                             .at_L = vector_at(json, "at_mm"),
-                             .to_L = vector_at(json, "to_mm"),
-                             .by_mm = vector_at(json, "by_mm"),
-                             .towards_L = vector_at(json, "towards")};
-  read(json, "distance_mm", spec.distance_mm);
-  read(json, "weight", spec.weight);
+Result<inverse::LandmarkSpec> read_landmark(const Json& object) {
+  inverse::LandmarkSpec spec{.name = object["name"].get<std::string>(),
+                             .at_L = vector_at(object, "at_mm"),
+                             .to_L = vector_at(object, "to_mm"),
+                             .by_mm = vector_at(object, "by_mm"),
+                             .towards_L = vector_at(object, "towards")};
+  read(object, "distance_mm", spec.distance_mm);
+  read(object, "weight", spec.weight);
   if (spec.towards_L && !(spec.towards_L->norm() > 0.0))
     return fail(ErrorCode::kPlanInvalid,
                 fmt::format("landmarks: towards of {} is zero", spec.name));
   return spec;
 }
 
-inverse::ProfileSpec read_profile(const Json& json) {
-  inverse::ProfileSpec spec{.x_mm = number_at(json, "x_mm")};
-  read(json, "name", spec.name);
-  for (const Json& point : list(json, "points"))
+inverse::ProfileSpec read_profile(const Json& object) {
+  inverse::ProfileSpec spec{.x_mm = number_at(object, "x_mm")};
+  read(object, "name", spec.name);
+  for (const Json& point : list(object, "points"))
     spec.points.push_back({.z_mm = point["z_mm"].get<double>(),
                            .y_mm = number_at(point, "y_mm"),
                            .anterior_by_mm = number_at(point, "anterior_by_mm")});
-  for (const Json& point : list(json, "polyline_mm"))
+  for (const Json& point : list(object, "polyline_mm"))
     spec.polyline_mm.push_back({point[0].get<double>(), point[1].get<double>()});
-  read(json, "spacing_mm", spec.spacing_mm);
-  read(json, "weight", spec.weight);
+  read(object, "spacing_mm", spec.spacing_mm);
+  read(object, "weight", spec.weight);
   return spec;
 }
 
-Result<inverse::SurfaceTarget> read_surface_target(const Json& json, const fs::path& folder,
+Result<inverse::SurfaceTarget> read_surface_target(const Json& object, const fs::path& folder,
                                                    Progress& progress) {
   inverse::SurfaceTarget target;
-  const fs::path file = folder / json["file"].get<std::string>();
-  target.name = json.value("name", file.stem().string());
+  const fs::path file = folder / object["file"].get<std::string>();
+  target.name = object.value("name", file.stem().string());
   LEFORT_TRY(target.surface_L, read_surface(file, progress));
-  if (const auto box = json.find("box_mm"); box != json.end()) {
+  if (const auto box = object.find("box_mm"); box != object.end()) {
     const Vec3 a = as_vector((*box)[0]), b = as_vector((*box)[1]);
     target.region_L = Box3(a.cwiseMin(b), a.cwiseMax(b));
   }
-  read(json, "max_distance_mm", target.max_distance_mm);
-  read(json, "weight", target.weight);
+  read(object, "max_distance_mm", target.max_distance_mm);
+  read(object, "weight", target.weight);
   return target;
 }
 
-inverse::BodySpec read_body(const Json& json) {
+inverse::BodySpec read_body(const Json& object) {
   inverse::BodySpec spec;
-  for (const Json& segment : json["segments"]) spec.segments.push_back(segment.get<std::string>());
-  spec.name = json.value("name", spec.segments.front());
-  if (json.value("relative_pose", "plan") == "scan") spec.relative = inverse::RelativePose::kScan;
-  spec.center_L = vector_at(json, "center_mm");
-  const Json& bounds = section(json, "bounds");
-  const auto free = json.find("free");
-  if (free != json.end()) spec.is_free.emplace().fill(false);
+  for (const Json& segment : object["segments"])
+    spec.segments.push_back(segment.get<std::string>());
+  spec.name = object.value("name", spec.segments.front());
+  if (object.value("relative_pose", "plan") == "scan") spec.relative = inverse::RelativePose::kScan;
+  spec.center_L = vector_at(object, "center_mm");
+  const Json& bounds = section(object, "bounds");
+  const auto free = object.find("free");
+  if (free != object.end()) spec.is_free.emplace().fill(false);
   for (std::size_t i = 0; i < inverse::kMotionNames.size(); ++i) {
     const std::string name = inverse::kMotionNames[i];
-    if (free != json.end())
+    if (free != object.end())
       for (const Json& one : *free)
         if (one.get<std::string>() == name) (*spec.is_free)[i] = true;
     const std::string key = name + (i < 3 ? "_mm" : "_deg");
@@ -97,9 +98,9 @@ inverse::BodySpec read_body(const Json& json) {
 
 }  // namespace
 
-Result<inverse::TargetSpec> parse_target(std::string_view json, const fs::path& folder,
+Result<inverse::TargetSpec> parse_target(std::string_view text, const fs::path& folder,
                                          Progress& progress) {
-  LEFORT_TRY(const Json target, internal::parse_checked(json, kTargetSchema, "the target"));
+  LEFORT_TRY(const Json target, internal::parse_checked(text, kTargetSchema, "the target"));
   inverse::TargetSpec spec;
   read(target, "title", spec.title);
   for (const Json& one : list(target, "landmarks")) {
@@ -119,9 +120,9 @@ Result<inverse::TargetSpec> parse_target(std::string_view json, const fs::path& 
 }
 
 Result<TargetText> read_target(const fs::path& file, Progress& progress) {
-  LEFORT_TRY(std::string json, read_text(file, kMaxTarget));
-  LEFORT_TRY(inverse::TargetSpec target, parse_target(json, file.parent_path(), progress));
-  return TargetText{std::move(target), std::move(json)};
+  LEFORT_TRY(std::string text, read_text(file, kMaxTarget));
+  LEFORT_TRY(inverse::TargetSpec target, parse_target(text, file.parent_path(), progress));
+  return TargetText{std::move(target), std::move(text)};
 }
 
 }  // namespace lefort::io

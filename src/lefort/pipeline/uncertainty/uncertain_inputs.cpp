@@ -208,19 +208,20 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
        truncated_normal(0.0, 1.0),
        {},
        3,
-       "Swennen 2006: precision of most three-dimensional landmarks about 1 mm along each axis"},
+       "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen 2006, "
+       "recalled)"},
       {&kInputParameters[kTranslation],
        truncated_normal(0.0, 1.0),
        {},
        3,
        "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
-       "(maxilla), 1.1 mm (mandible)"},
+       "(maxilla), 1.1 mm (mandible); recalled"},
       {&kInputParameters[kRotation],
        truncated_normal(0.0, 1.5),
        {},
        3,
        "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 deg "
-       "(maxilla), 1.8 deg (mandible)"},
+       "(maxilla), 1.8 deg (mandible); recalled"},
   };
 }
 
