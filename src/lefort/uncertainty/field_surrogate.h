@@ -32,7 +32,7 @@ struct FittedField {
 
 struct FieldFitOptions {
   double variance_fraction = 0.999;  ///< See find_modes().
-  BasisOptions basis;
+  BasisOptions basis{};
   Index folds = 10;  ///< See cross_validate().
 };
 

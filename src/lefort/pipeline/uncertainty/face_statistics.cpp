@@ -227,9 +227,10 @@ std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
   return found;
 }
 
-RegionStatistics region_statistics(const FaceStatistics& all, const SkinRegion& region,
-                                   std::span<const std::vector<Index>> alone,
-                                   std::span<const std::vector<Index>> groups, std::uint64_t seed) {
+RegionStatistics statistics_of_region(const FaceStatistics& all, const SkinRegion& region,
+                                      std::span<const std::vector<Index>> alone,
+                                      std::span<const std::vector<Index>> groups,
+                                      std::uint64_t seed) {
   RegionStatistics found{.name = region.name};
   const std::vector<double> width = widths(all.band);
   found.band_mm = weighted_mean(region.weights, width);
@@ -289,7 +290,7 @@ Result<FaceStatistics> face_statistics(const UncertainCase& face, std::vector<Sk
   for (const SkinRegion& region : all.regions) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
     all.region_results.push_back(
-        region_statistics(all, region, each_alone(inputs.size()), groups, seed));
+        statistics_of_region(all, region, each_alone(inputs.size()), groups, seed));
   }
   progress.begin_stage("convergence");
   all.convergence = find_convergence(face, rows, samples, all, measure, seed);

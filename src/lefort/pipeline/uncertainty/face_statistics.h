@@ -24,15 +24,15 @@ struct SkinRegion {
 
 /// Results of one region; widths and deviations are means over its area.
 struct RegionStatistics {
-  std::string name;
+  std::string name{};
   double area_mm2 = 0.0;
   double band_mm = 0.0;      ///< P95 - P5.
   double max_band_mm = 0.0;  ///< Of a vertex.
   double deviation_mm = 0.0;
-  double q2 = 0.0;                      ///< Cross-validated, of the coarse surrogate.
-  uncertainty::SobolIndices inputs;     ///< Of each input, with the correction.
-  uncertainty::SobolInterval interval;  ///< Bootstrap of the coarse surrogate.
-  uncertainty::SobolIndices groups;     ///< Of each group of inputs.
+  double q2 = 0.0;                        ///< Cross-validated, of the coarse surrogate.
+  uncertainty::SobolIndices inputs{};     ///< Of each input, with the correction.
+  uncertainty::SobolInterval interval{};  ///< Bootstrap of the coarse surrogate.
+  uncertainty::SobolIndices groups{};     ///< Of each group of inputs.
 };
 
 /// The estimate from the first n samples.
@@ -43,7 +43,8 @@ struct ConvergenceRow {
   double q2 = 0.0;
 };
 
-/// The correction of the coarse model by the fine one.
+/// The correction of the coarse model by the fine one: fine = coarse + correction, and the correction
+/// has a surrogate of its own from few samples \cite ng2012 (the additive form of \cite kennedy2000).
 struct CorrectionStatistics {
   Index samples = 0;
   double mean_mm = 0.0;         ///< Mean of the absolute mean correction, over the moved skin.

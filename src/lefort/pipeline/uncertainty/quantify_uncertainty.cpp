@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string as_text(const nlohmann::ordered_json& json) {
+std::string text_of_results(const nlohmann::ordered_json& json) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -42,7 +42,7 @@ Result<void> check_job(const UncertaintyJob& job) {
 }
 
 /// Results of an earlier run, uncertainty.json first: it shows that the others are complete.
-Result<void> remove_earlier(const fs::path& folder) {
+Result<void> remove_earlier_results(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const char* name :
        {"uncertainty.json", "samples.csv", "uncertainty.vtp", "inputs.json", "report.html",
@@ -113,9 +113,9 @@ Result<void> write_all(const UncertaintyJob& job, const UncertainCase& face,
   }
   LEFORT_TRY_VOID(write_band(folder / "uncertainty.vtp", face, results.statistics));
   LEFORT_TRY_VOID(io::write_text(folder / "samples.csv", samples_csv(face, results)));
-  LEFORT_TRY_VOID(io::write_text(folder / "inputs.json", as_text(as_json(face.entries()))));
+  LEFORT_TRY_VOID(io::write_text(folder / "inputs.json", text_of_results(as_json(face.entries()))));
   LEFORT_TRY_VOID(io::write_text(folder / "report.html", report::report_html(report)));
-  return io::write_text(folder / "uncertainty.json", as_text(json));
+  return io::write_text(folder / "uncertainty.json", text_of_results(json));
 }
 
 std::string in_words(const UncertaintyResults& results, const fs::path& folder) {
@@ -135,7 +135,7 @@ Result<Summary> quantify_uncertainty(const UncertaintyJob& job, Progress& progre
   LEFORT_TRY_VOID(check_job(job));
   const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  if (!job.chunk) LEFORT_TRY_VOID(remove_earlier(job.output));
+  if (!job.chunk) LEFORT_TRY_VOID(remove_earlier_results(job.output));
   LEFORT_TRY(const std::unique_ptr<UncertainCase> face, UncertainCase::open(job, progress));
   UncertaintyResults results{
       .coarse = {}, .fine = {}, .statistics = {}, .path_check = {}, .models = 0, .seed = job.seed};
@@ -177,7 +177,7 @@ Result<Summary> default_uncertain_inputs(const fs::path& plan) {
     LEFORT_TRY(read, io::read_plan(plan));
   }
   const nlohmann::ordered_json json = as_json(default_inputs(read));
-  std::string text = as_text(json);
+  std::string text = text_of_results(json);
   text.pop_back();
   return Summary{std::move(text), json};
 }

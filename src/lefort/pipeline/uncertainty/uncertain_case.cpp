@@ -26,8 +26,8 @@ namespace lefort::pipeline {
 namespace {
 
 // Increase when samples of the same inputs change.
-constexpr const char* kRevision = "uncertainty-1";
-constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
+constexpr const char* kSampleRevision = "uncertainty-1";
+constexpr double kMovedSkin_mm = 0.5;  ///< As in the summary of a prediction.
 
 /// Only requests to stop pass; it may be used by several threads.
 class QuietProgress : public Progress {
@@ -132,7 +132,7 @@ Result<void> UncertainCase::prepare(Progress& progress) {
   variants_[middle_key_] = std::make_unique<FaceVariant>(std::move(middle));
   find_skin();
   io::Sha256 key;
-  key.add(kRevision).add(kVersion).add(plan_text_).add(prepared_->provenance.ct_sha256);
+  key.add(kSampleRevision).add(kVersion).add(plan_text_).add(prepared_->provenance.ct_sha256);
   for (const io::InputFile& file :
        io::fingerprints(plan_text_, job_.plan).value_or(std::vector<io::InputFile>{}))
     key.add(file.name).add(file.sha256);
@@ -153,7 +153,7 @@ void UncertainCase::find_skin() {
     if (!(areas_mm2[v] > 0.0)) continue;
     skin_.vertices.push_back(std::int32_t(v));
     skin_.area_mm2.push_back(areas_mm2[v]);
-    skin_.is_moved.push_back(skin_.nominal_mm[v].norm() > kMoved_mm ? 1 : 0);
+    skin_.is_moved.push_back(skin_.nominal_mm[v].norm() > kMovedSkin_mm ? 1 : 0);
   }
 }
 

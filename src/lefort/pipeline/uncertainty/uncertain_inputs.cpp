@@ -25,7 +25,7 @@ enum Parameter : std::size_t {
   kRotation,
 };
 
-constexpr std::array kParameters{
+constexpr std::array kInputParameters{
     InputParameter{"poisson", "Poisson's ratio of the deep tissue", "", "tissue",
                    InputEffect::kForces, 0.0, 0.495},
     InputParameter{"skin_ratio_factor",
@@ -78,16 +78,16 @@ bool uses_landmarks(const io::PlanFile& plan) {
 /// Why a parameter has no effect on a plan; empty if it has.
 std::string why_without_effect(const InputParameter& parameter, const io::PlanFile& plan) {
   const bool is_clinical = plan.boundary.interface == predict::TissueInterface::kClinical;
-  if (&parameter == &kParameters[kSkinRatio] && !plan.tissue.skin)
+  if (&parameter == &kInputParameters[kSkinRatio] && !plan.tissue.skin)
     return "the plan has no material of skin; the deep tissue alone has no ratio";
-  if (&parameter == &kParameters[kLayer] && !is_clinical)
+  if (&parameter == &kInputParameters[kLayer] && !is_clinical)
     return "only the interface clinical has sliding tissue";
-  if (&parameter == &kParameters[kContact] &&
+  if (&parameter == &kInputParameters[kContact] &&
       plan.boundary.interface == predict::TissueInterface::kBonded)
     return "the interface bonded has no contact";
-  if (&parameter == &kParameters[kThreshold] && plan.labels)
+  if (&parameter == &kInputParameters[kThreshold] && plan.labels)
     return "the plan names labels, so that the scan is not segmented";
-  if (&parameter == &kParameters[kLandmarks] && !uses_landmarks(plan))
+  if (&parameter == &kInputParameters[kLandmarks] && !uses_landmarks(plan))
     return "no osteotomy of the plan is placed by landmarks";
   return {};
 }
@@ -121,7 +121,7 @@ Result<UncertainInput> make_input(const InputEntry& entry) {
 
 Result<void> add_execution(const InputEntry& entry, const io::PlanFile& plan, InputsOfPlan& all) {
   LEFORT_TRY(UncertainInput input, make_input(entry));
-  const bool is_rotation = entry.parameter == &kParameters[kRotation];
+  const bool is_rotation = entry.parameter == &kInputParameters[kRotation];
   bool is_found = false;
   for (std::size_t k = 0; k < plan.segments.size(); ++k) {
     const std::string& segment = plan.segments[k].osteotomy.segment;
@@ -143,7 +143,7 @@ Result<void> add_execution(const InputEntry& entry, const io::PlanFile& plan, In
 
 }  // namespace
 
-std::span<const InputParameter> input_parameters() { return kParameters; }
+std::span<const InputParameter> input_parameters() { return kInputParameters; }
 
 int UncertainInput::max_degree() const {
   constexpr int kMax = 10;
@@ -168,59 +168,60 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
   const double margin_mm = plan.boundary.elevation_margin_mm.value_or(predict::kElevationMargin_mm);
   const double layer_mm = plan.boundary.interface_layer_mm;
   return {
-      {&kParameters[kPoisson],
+      {&kInputParameters[kPoisson],
        uniform(0.40, 0.49),
        {},
        3,
        "0.49 in Nazari 2010, 0.45 by default; soft tissue is nearly incompressible, and the range "
        "of "
        "face models in the literature is 0.40 to 0.49 (assumed uniform)"},
-      {&kParameters[kSkinRatio],
+      {&kInputParameters[kSkinRatio],
        lognormal(1.0, 0.5),
        {},
        3,
        "factor 0.5 for younger and 2 for older skin (Barbarino 2011): lognormal, a factor 2 is two "
        "standard deviations"},
-      {&kParameters[kLayer],
+      {&kInputParameters[kLayer],
        lognormal(layer_mm, 0.6 * layer_mm),
        {},
        3,
        "assumed: no measurement is known; P5 to P95 of 0.4 to 2.1 times that of the plan includes "
        "the range of the modulus "
        "of loose connective tissue in Iatridis 2003"},
-      {&kParameters[kContact],
+      {&kInputParameters[kContact],
        lognormal(predict::stiffness_factor(plan.contact, plan.tissue),
                  0.5 * predict::stiffness_factor(plan.contact, plan.tissue)),
        {},
        3,
        "assumed: numerical parameter, varied by a factor of about 2"},
-      {&kParameters[kMargin],
+      {&kInputParameters[kMargin],
        truncated_normal(margin_mm, margin_mm / 4.0),
        {},
        3,
        "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"},
-      {&kParameters[kThreshold],
+      {&kInputParameters[kThreshold],
        truncated_normal(0.0, 50.0),
        {},
        3,
        "assumed: difference of readers and of scanner calibration at the border of bone"},
-      {&kParameters[kLandmarks],
+      {&kInputParameters[kLandmarks],
        truncated_normal(0.0, 1.0),
        {},
        3,
-       "Swennen 2006: precision of most three-dimensional landmarks about 1 mm along each axis"},
-      {&kParameters[kTranslation],
+       "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen 2006, "
+       "recalled)"},
+      {&kInputParameters[kTranslation],
        truncated_normal(0.0, 1.0),
        {},
        3,
        "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
-       "(maxilla), 1.1 mm (mandible)"},
-      {&kParameters[kRotation],
+       "(maxilla), 1.1 mm (mandible); recalled"},
+      {&kInputParameters[kRotation],
        truncated_normal(0.0, 1.5),
        {},
        3,
        "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 deg "
-       "(maxilla), 1.8 deg (mandible)"},
+       "(maxilla), 1.8 deg (mandible); recalled"},
   };
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json finite_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json input_json(const UncertainInput& input) {
   const uncertainty::Moments moments = uncertainty::moments_of(input.distribution);
@@ -57,7 +57,7 @@ Json region_json(const RegionStatistics& region, const std::vector<std::string>&
           {"mean_band_mm", region.band_mm},
           {"max_band_mm", region.max_band_mm},
           {"mean_standard_deviation_mm", region.deviation_mm},
-          {"q2", number(region.q2)},
+          {"q2", finite_number(region.q2)},
           {"sobol", indices_json(inputs, region.inputs, &region.interval)},
           {"sobol_groups", indices_json(groups, region.groups, nullptr)}};
 }
@@ -66,7 +66,7 @@ Json surrogate_json(const FaceStatistics& statistics) {
   const uncertainty::FittedField& coarse = statistics.coarse;
   Json modes = Json::array();
   for (std::size_t k = 0; k < coarse.fits.size(); ++k)
-    modes.push_back({{"q2_leave_one_out", number(coarse.fits[k].q2)},
+    modes.push_back({{"q2_leave_one_out", finite_number(coarse.fits[k].q2)},
                      {"terms", coarse.fits[k].terms.size()},
                      {"candidate_set", coarse.fits[k].candidate}});
   return {{"kind", "polynomial chaos"},
@@ -94,7 +94,7 @@ Json convergence_json(const std::vector<ConvergenceRow>& rows) {
     list.push_back({{"samples", row.samples},
                     {"mean_band_mm", row.band_mm},
                     {"interval_mm", {row.low_mm, row.high_mm}},
-                    {"q2", number(row.q2)}});
+                    {"q2", finite_number(row.q2)}});
   return list;
 }
 
