@@ -39,8 +39,8 @@ struct ParameterSet {
 
 /// Merges a set into a plan \cite rfc7396. Deprecated keys of both are renamed before.
 ///
-/// \returns the text of the changed plan, which is not checked; or kPlanInvalid if one of the two is
-///   not JSON.
+/// \returns the text of the changed plan, which is not checked; or kPlanInvalid if one of the two
+///   is not JSON.
 [[nodiscard]] Result<std::string> change_plan(const std::string& plan, const ParameterSet& set);
 
 }  // namespace lefort::io

@@ -13,8 +13,8 @@
 
 namespace lefort::pipeline {
 
-/// A BIDS App \cite gorgolewski2017: docs/guide/cohorts.md. An evaluation is the prediction of one
-/// case with one parameter set.
+/// Arguments of a BIDS App \cite gorgolewski2017 , see docs/guide/cohorts.md. An evaluation is the
+/// prediction of one case with one parameter set.
 struct RunJob {
   std::filesystem::path input;              ///< A BIDS dataset, or a cohort as for ValidateJob.
   std::filesystem::path output;             ///< A folder; created if missing.

@@ -132,6 +132,7 @@ Result<ComputedCase> predict_and_compare(const CohortCase& one, const CaseComput
   predict.plan = setup.plan;
   predict.ct = setup.ct;
   LEFORT_TRY(Summary predicted, predict_case(predict, progress));
+  result.regions_from = "none";
   if (one.has_after()) LEFORT_TRY_VOID(compare_case(computation, setup, result, progress));
   return ComputedCase{std::move(result), std::move(predicted.json)};
 }
