@@ -40,6 +40,7 @@ void add_landmarks_command(CLI::App& cli, CommandContext& context);
 void add_plan_command(CLI::App& cli, CommandContext& context);
 void add_compare_command(CLI::App& cli, CommandContext& context);
 void add_predict_command(CLI::App& cli, CommandContext& context);
+void add_run_command(CLI::App& cli, CommandContext& context);
 void add_solve_command(CLI::App& cli, CommandContext& context);
 void add_calibrate_command(CLI::App& cli, CommandContext& context);
 void add_uncertainty_command(CLI::App& cli, CommandContext& context);
