@@ -25,8 +25,8 @@ std::atomic<bool> interpreter_ends{false};
 std::atomic<std::thread::id> ending_thread{};
 std::atomic<int> running_calls{0};
 
-/// Whether this thread must not use Python any more. The thread that ends the interpreter may: other
-/// functions that are called at its end follow.
+/// Whether this thread must not use Python any more. The thread that ends the interpreter may:
+/// other functions that are called at its end follow.
 bool is_too_late() {
   return interpreter_ends && std::this_thread::get_id() != ending_thread.load();
 }

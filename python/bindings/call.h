@@ -89,8 +89,8 @@ class RunningCall {
   RunningCall& operator=(const RunningCall&) = delete;
 };
 
-/// While it exists, other threads of Python run. If the interpreter has begun to end, the destructor
-/// does not return: Python would end the thread within C++.
+/// While it exists, other threads of Python run. If the interpreter has begun to end, the
+/// destructor does not return: Python would end the thread within C++.
 class WithoutGil {
  public:
   WithoutGil() = default;
