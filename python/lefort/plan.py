@@ -87,7 +87,8 @@ def _described(path: str) -> Callable[[_Class], _Class]:
     def describe(made: _Class) -> _Class:
         schema = _find(path)
         made.SCHEMA_PATH = path
-        lines = [str(schema["description"]), "", "Fields:"]
+        about = schema.get("description") or _find(path.rsplit("/", 1)[0])["description"]
+        lines = [about, "", "Fields:"]
         for one in dataclasses.fields(made):
             description = schema["properties"].get(_key(one.name), {}).get("description", one.metadata.get("doc"))
             lines.append(f"    {one.name}: {description}")
@@ -199,6 +200,7 @@ class CutCurve(Part):
     name: str | None = None
 
 
+@_described("segments/*/osteotomy/additional_regions/*")
 @dataclass(frozen=True)
 class CutRegion(Part):
     planes: tuple[CutPlane, ...] = ()
@@ -281,6 +283,7 @@ class RigidPath(Part):
     _PARTS: ClassVar[Mapping[str, type[Part]]] = {"keyframes": Keyframe, "distraction": Distraction}
 
 
+@_described("segments/*")
 @dataclass(frozen=True)
 class Segment(Part):
     name: str
@@ -478,15 +481,3 @@ class Plan(Part):
             return os.path.relpath(start / value, to)
 
         return Plan.from_json(moved(self.to_json(), ""), folder)
-
-
-def _describe_items() -> None:
-    """Items of lists have no description of their own in the schema; that of the list is theirs."""
-    for made, path, description in (
-            (CutRegion, "segments/*/osteotomy/additional_regions/*", "One region of an osteotomy."),
-            (Segment, "segments/*", "One mobilized segment.")):
-        _find(path).setdefault("description", description)
-        _described(path)(made)
-
-
-_describe_items()
