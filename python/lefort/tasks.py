@@ -95,6 +95,8 @@ class _Folder:
 def predict(plan: PathLike | Plan, *, ct: PathLike | CtVolume | None = None, output: PathLike | None = None,
             pictures: bool = True, sensitivity: bool = True, progress: ProgressCallback | None = None,
             cancel: CancelToken | None = None, threads: int = 0) -> Prediction:
+    if isinstance(plan, Plan) and plan.ct is None and ct is None:
+        raise _lefort.PlanInvalid("the plan names no scan, and ct was not given")
     with _Folder() as files:
         folder, kept = files.output(output)
         text, warnings = _lefort.predict_case(

@@ -20,8 +20,8 @@ def test_a_prediction_has_arrays_steps_and_a_notice(solved):
     assert np.allclose(solved.steps[-1].poses_L["front"][:3, 3], (0, -3, 0))
     length_mm = np.linalg.norm(solved.displacement_mm, axis=1)
     assert length_mm.max() == pytest.approx(solved.json["skin"]["max_shift_mm"], abs=1e-4) and length_mm.max() > 1
-    front = solved.displacement_at({"front": (0, -47, 0), "back": (0, 47, 0)})
-    assert front["front"][1] < -1 and abs(front["back"][1]) < 0.2
+    moved = solved.displacement_at({"front": (22, -41, 4), "back": (0, 47, 0)})
+    assert moved["front"][1] < -0.5 and np.linalg.norm(moved["back"]) < 0.2
     again = lefort.Prediction.read(solved.folder)
     assert np.array_equal(again.displacement_mm, solved.displacement_mm)
     assert repr(solved).startswith("Prediction(skin_before=<lefort.TriangleMesh")
@@ -30,7 +30,7 @@ def test_a_prediction_has_arrays_steps_and_a_notice(solved):
 def test_the_face_has_the_bytes_of_the_command_line(solved, program, tmp_path):
     subprocess.run([program, "predict", solved.folder.parent / "plan.json", "-o", tmp_path / "cli", "--no-pictures",
                     "--no-sensitivity", "--quiet", "--threads", "1"], check=True, capture_output=True)
-    for name in ("predicted_skin.vtp", "predicted_skin.stl", "skin_before.vtp", "bone_segment_moved.vtp", "plan.json"):
+    for name in ("predicted_skin.vtp", "predicted_skin.stl", "skin_before.vtp", "bone_segment_moved.vtp"):
         assert (tmp_path / "cli" / name).read_bytes() == (solved.folder / name).read_bytes(), name
     times = {"timing"}
     ours, theirs = (json.loads((folder / "prediction.json").read_text()) for folder in (solved.folder, tmp_path / "cli"))
@@ -191,7 +191,7 @@ def test_phantoms(tmp_path):
 
 
 def test_landmarks_are_found(tmp_path):
-    phantom = lefort.make_phantom(tmp_path, head="teeth", voxel_mm=3)
+    phantom = lefort.make_phantom(tmp_path, head="teeth", voxel_mm=4)
     ct = lefort.import_scan(phantom.scan)
     search = lefort.find_landmarks(ct, lefort.read_segmentation(phantom.labels, ct=ct))
     truth = lefort.read_landmarks(phantom.landmarks)

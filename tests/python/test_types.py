@@ -51,9 +51,9 @@ def test_docstrings_are_those_of_the_headers(source):
     assert "NotConverged" in lefort.predict.__doc__ and "kNotConverged" not in lefort.predict.__doc__
 
 
-def run_mypy(arguments, source):
+def run_mypy(arguments, folder):
     environment = {**os.environ, "MYPYPATH": os.environ["PYTHONPATH"]}
-    return subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, cwd=source,
+    return subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, cwd=folder,
                           env=environment, check=False)
 
 
@@ -61,10 +61,10 @@ def test_package_and_notebooks_are_typed(source, tmp_path):
     notebooks = sorted(str(file) for file in (source / "examples" / "python").glob("*.py"))
     assert len(notebooks) == 3
     options = ["--config-file", str(source / "python" / "mypy.ini"), "--cache-dir", str(tmp_path)]
-    done = run_mypy(["mypy", *options, "-p", "lefort"], source)
+    done = run_mypy(["mypy", *options, "-p", "lefort"], tmp_path)
     assert done.returncode == 0, done.stdout
     for notebook in notebooks:
-        done = run_mypy(["mypy", *options, notebook], source)
+        done = run_mypy(["mypy", *options, notebook], tmp_path)
         assert done.returncode == 0, done.stdout
 
 
@@ -74,7 +74,7 @@ def test_stubs_agree_with_the_module(source, tmp_path):
         "lefort._lefort.*.__init__\n"       # pybind11 has no signatures that Python can inspect.
     )
     done = run_mypy(["mypy.stubtest", "lefort", "--allowlist", str(tmp_path / "allowed.txt"),
-                     "--ignore-unused-allowlist"], source)
+                     "--ignore-unused-allowlist"], tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
