@@ -14,6 +14,8 @@ from pathlib import Path
 
 ROOT = Path("src/lefort")
 RATIOS = Path("data/soft_tissue_ratios.csv")  # Its source_key cites, too.
+BINDINGS = Path("python/bindings")  # A peer of app, outside the layers.
+PYTHON_LAYERS = {"core", "geometry", "image", "anatomy", "mesh", "field", "plan", "io", "pipeline"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 IMPORT = re.compile(r"""^\s*(?:import|export)\b[^;"']*?["'](\.[^"']+)["']""", re.MULTILINE)
 MAX_LINE = 100
@@ -37,7 +39,7 @@ LIBRARIES = {
     "tbb/": {"core"}, "CGAL/": {"mesh", "bench"}, "itk": {"anatomy", "io"}, "gdcm": {"io"},
     "vtk": {"anatomy", "io", "bench"}, "metis.h": {"linear"},
     "nlohmann/": {"io", "bench", "pipeline", "server", "app"}, "valijson/": {"io"}, "CLI/": {"app"}, "httplib.h": {"server"}, "curl/": {"io"},
-    "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "seccomp.h": {"io"}, "openssl/": {"io"},
+    "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "pybind11/": set(), "zlib.h": {"io"}, "expat.h": {"io"}, "seccomp.h": {"io"}, "openssl/": {"io"}, "openturns/": {"uncertainty"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",
                       "io/internal/validated_json.h", "io/internal/rename_keys.h", "io/predicted_poses.h",
@@ -95,6 +97,24 @@ def violations(root: Path, layers: dict[str, set[str]]) -> list[str]:
     return found
 
 
+def binding_violations(folder: Path) -> list[str]:
+    """As violations(), of the bindings of Python."""
+    found = []
+    for path in sorted(folder.glob("*")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if len(line) > MAX_LINE:
+                found.append(f"{path}:{number}: longer than {MAX_LINE} characters")
+            match = INCLUDE.match(line)
+            target = match.group(1) if match else ""
+            if target.startswith("lefort/") and target.split("/")[1] not in PYTHON_LAYERS:
+                found.append(f"{path}:{number}: the bindings may not include {target.split('/')[1]}")
+            if "/internal/" in target:
+                found.append(f"{path}:{number}: {target} is internal")
+            if any(target.startswith(prefix) for prefix in LIBRARIES if prefix != "pybind11/"):
+                found.append(f"{path}:{number}: <{target}> is not for the bindings")
+    return found
+
+
 def ratio_rows(table: Path) -> list[dict[str, str]]:
     """The published soft-tissue ratios."""
     with table.open(encoding="utf-8", newline="") as file:
@@ -145,7 +165,7 @@ def deprecated_words(words: Path) -> list[str]:
     """Words that docs/glossary.md replaces, wherever a person reads them: code, documents, the page."""
     table = [(re.compile(pattern), instead) for pattern, instead in read_table(words)]
     found = []
-    for path in tracked_files("src", "tests", "web/src", "web/tests", "web/e2e", "docs", "contract", "examples", "*.md"):
+    for path in tracked_files("src", "python", "tests", "web/src", "web/tests", "web/e2e", "docs", "contract", "examples", "*.md"):
         if path.suffix not in TEXT or str(path) in MAY_NAME_OLD_WORDS:
             continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
@@ -199,7 +219,7 @@ def oversized(exceptions: Path) -> list[str]:
     """Functions over MAX_FUNCTION lines and files over MAX_FILE, less those listed with a reason."""
     allowed = {(row[0], row[1]) for row in read_table(exceptions)}
     found, used = [], set()
-    for path in tracked_files("src", "web/src"):
+    for path in tracked_files("src", "python", "web/src"):
         if path.suffix not in {".h", ".cpp", ".ts"} or path.name == "types.gen.ts":
             continue
         text = path.read_text(encoding="utf-8")
@@ -260,6 +280,7 @@ def cycles(targets_of: dict[str, list[str]]) -> list[list[str]]:
 
 if __name__ == "__main__":
     problems = violations(ROOT, read_layers((ROOT / "LAYERS").read_text(encoding="utf-8")))
+    problems += binding_violations(BINDINGS)
     problems += include_cycles(ROOT)
     problems += import_cycles(Path("web/src"))
     problems += citation_mismatches(ROOT, Path("docs/references.bib"), RATIOS)

@@ -11,6 +11,7 @@ from pathlib import Path
 from bibliography import read_bibliography, write_bibliography
 from cli_reference import write_cli_reference
 from cpp_reference import anchor, write_cpp_reference
+from python_reference import write_python_reference
 from schema_reference import write_schema_reference
 
 DOCS = Path("docs")
@@ -18,7 +19,7 @@ PROJECT_PAGES = ["CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "CODE_OF_COND
 SECTIONS = [("Guide", "guide"), ("Theory", "theory"), ("Reference", "reference"), ("Studies", "studies"),
             ("Decisions", "decisions")]
 ORDER = ["index", "surgeon", "researcher", "planner", "import", "osteotomies", "landmarks", "tissue-mesh", "compare",
-         "validate", "solve", "materials", "elements", "locking", "distance-field", "contact", "equilibrium", "cli"]
+         "validate", "solve", "python", "materials", "elements", "locking", "distance-field", "contact", "equilibrium", "cli"]
 TOP = ["architecture", "conventions", "glossary", "roadmap"]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
@@ -119,6 +120,7 @@ def main() -> int:
     parser.add_argument("--output", type=Path, required=True)
     parser.add_argument("--doxygen", type=Path, help="Doxygen's XML; none: no C++ reference")
     parser.add_argument("--program", help="lefort; none: no command-line reference")
+    parser.add_argument("--python", type=Path, help="folder of the Python package; none: no Python reference")
     options = parser.parse_args()
 
     problems: list[str] = []
@@ -131,6 +133,8 @@ def main() -> int:
     write_schema_reference(Path("contract"), reference)
     if options.program:
         write_cli_reference(options.program, reference)
+    if options.python:
+        write_python_reference(options.python, reference)
     cpp = []
     if options.doxygen:
         cpp = write_cpp_reference(options.doxygen, read_layers(), set(entries), reference / "cpp")

@@ -22,11 +22,19 @@ constexpr auto kLongestExit = 20s;      // Of a call that has been cancelled.
 constexpr std::string_view kWarning = "warning: ";
 
 std::atomic<bool> interpreter_ends{false};
+std::atomic<std::thread::id> ending_thread{};
 std::atomic<int> running_calls{0};
+
+/// Whether this thread must not use Python any more. The thread that ends the interpreter may:
+/// other functions that are called at its end follow.
+bool is_too_late() {
+  return interpreter_ends && std::this_thread::get_id() != ending_thread.load();
+}
 
 /// Cancels all calls, waits until they have ended, and ends the readers of files. Threads that run
 /// when the interpreter ends would otherwise be ended within C++.
 void shut_down() {
+  ending_thread = std::this_thread::get_id();
   interpreter_ends = true;
   const py::gil_scoped_release released;
   const auto until = std::chrono::steady_clock::now() + kLongestExit;
@@ -44,6 +52,12 @@ std::string describe(const ProgressReport& report) {
 
 RunningCall::RunningCall() { ++running_calls; }
 RunningCall::~RunningCall() { --running_calls; }
+
+WithoutGil::~WithoutGil() {
+  if (!is_too_late()) return;
+  --running_calls;
+  while (true) std::this_thread::sleep_for(1h);
+}
 
 PythonProgress::PythonProgress(const CallOptions& options)
     : callback_(options.progress), cancel_(options.cancel) {
@@ -75,7 +89,7 @@ void PythonProgress::note(std::string_view sentence) {
 }
 
 void PythonProgress::send(const std::optional<std::string>& note) {
-  if (callback_.is_none() || stop_ || interpreter_ends) return;
+  if (callback_.is_none() || stop_ || is_too_late()) return;
   const py::gil_scoped_acquire acquired;
   try {
     callback_(ProgressReport{stage_, fraction_, note});
@@ -86,7 +100,7 @@ void PythonProgress::send(const std::optional<std::string>& note) {
 }
 
 bool PythonProgress::stop_requested() const {
-  if (stop_ || interpreter_ends || (cancel_ && cancel_->is_cancelled())) return true;
+  if (stop_ || is_too_late() || (cancel_ && cancel_->is_cancelled())) return true;
   if (std::this_thread::get_id() != caller_) return false;
   check_signals();
   return stop_;
@@ -126,7 +140,8 @@ void bind_call(py::module_& module) {
       .def("__repr__", [](const CancelToken& token) {
         return token.is_cancelled() ? "<lefort.CancelToken: cancelled>" : "<lefort.CancelToken>";
       });
-  py::module_::import("atexit").attr("register")(py::cpp_function(&shut_down));
+  module.def("_shut_down", &shut_down, "Ends calls and readers of files at the end of Python.");
+  py::module_::import("atexit").attr("register")(module.attr("_shut_down"));
 }
 
 }  // namespace lefort::python

@@ -89,6 +89,20 @@ class RunningCall {
   RunningCall& operator=(const RunningCall&) = delete;
 };
 
+/// While it exists, other threads of Python run. If the interpreter has begun to end, the
+/// destructor does not return: Python would end the thread within C++.
+class WithoutGil {
+ public:
+  WithoutGil() = default;
+  ~WithoutGil();
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+
+ private:
+  RunningCall running_;
+  pybind11::gil_scoped_release released_;
+};
+
 /// Runs work(progress) without the GIL.
 ///
 /// \returns its value; raises its error, or the exception of the callback or of a signal handler.
@@ -98,8 +112,7 @@ auto call(PythonProgress& progress, int threads, const Work& work) {
   if (threads < 0 || threads > 1024) raise_invalid("threads must be 0 to 1024");
   std::optional<Returned> result;
   {
-    const RunningCall running;
-    const pybind11::gil_scoped_release released;
+    const WithoutGil without_gil;
     const ThreadLimit limit(threads);
     result.emplace(work(static_cast<Progress&>(progress)));
   }

@@ -65,8 +65,7 @@ void visit_samples(const DistanceField& field, const Points& points, bool smooth
   if (smooth && !field.is_smooth())
     raise_invalid("the field was built without smooth=True, which smooth interpolation needs");
   const auto all = points.all();
-  const RunningCall running;
-  const py::gil_scoped_release released;
+  const WithoutGil without_gil;
   const auto sample_block = [&]<class Sample>(Sample, auto query) {
     parallel_for_blocks(
         points.count(),
@@ -136,6 +135,19 @@ SharedField from_bytes(const py::bytes& state) {
       value_of(io::decode_field(std::as_bytes(std::span(text->data(), text->size())), text)));
 }
 
+/// Zone as an IntEnum, so that it compares with the values of zone().
+void bind_zone(py::module_& module) {
+  py::dict members;
+  members["BAND"] = int(Zone::kBand);
+  members["OUTSIDE"] = int(Zone::kOutside);
+  members["INSIDE"] = int(Zone::kInside);
+  members["UNKNOWN"] = int(Zone::kUnknown);
+  const py::object zone = py::module_::import("enum").attr("IntEnum")(
+      "Zone", members, py::arg("module") = "lefort._lefort");
+  zone.attr("__doc__") = doc("field::FieldSample");
+  module.attr("Zone") = zone;
+}
+
 void bind_queries(py::class_<DistanceField, SharedField>& fields) {
   fields
       .def("distance", &distance, py::arg("points_B"), py::kw_only(), py::arg("smooth") = false,
@@ -149,6 +161,7 @@ void bind_queries(py::class_<DistanceField, SharedField>& fields) {
 }  // namespace
 
 void bind_fields(py::module_& module) {
+  bind_zone(module);
   py::class_<DistanceField, SharedField> fields(module, "DistanceField",
                                                 doc("field::DistanceField"));
   bind_queries(fields);

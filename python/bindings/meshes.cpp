@@ -100,8 +100,7 @@ py::array_t<double> signed_distance(const geometry::Bvh& tree, const py::object&
     raise_invalid("points has a coordinate that is not finite");
   py::array_t<double> distances(points.shape());
   double* const out = distances.mutable_data();
-  const RunningCall running;
-  const py::gil_scoped_release released;
+  const WithoutGil without_gil;
   parallel_for(points.count(),
                [&](Index n) { out[n] = tree.signed_distance(all[std::size_t(n)]).distance_mm; });
   return distances;

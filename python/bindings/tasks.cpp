@@ -1,7 +1,6 @@
 #include "tasks.h"
 
 #include <lefort/pipeline/compare.h>
-#include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/predict.h>
 #include <lefort/pipeline/solve.h>
 
@@ -47,27 +46,6 @@ void bind_tasks(py::module_& module) {
       py::arg("plan"), py::arg("ct"), py::arg("output"), py::arg("pictures"),
       py::arg("sensitivity"), py::arg("progress"), py::arg("cancel"), py::arg("threads"),
       doc("pipeline::predict_case"));
-  module.def(
-      "check_plan_file",
-      [](const fs::path& plan, const OptionalPath& ct, const OptionalPath& skull,
-         const fs::path& output, bool pictures, const py::object& progress, const Token& cancel,
-         int threads) {
-        return run_task({progress, cancel, threads},
-                        [&](Progress& inner) -> Result<pipeline::Summary> {
-                          LEFORT_TRY(pipeline::PlanCheckSummary done,
-                                     pipeline::check_plan_file({.plan = plan,
-                                                                .ct = ct,
-                                                                .skull = skull,
-                                                                .output = output,
-                                                                .cache = std::nullopt,
-                                                                .limits = {},
-                                                                .pictures = pictures},
-                                                               inner));
-                          return std::move(done.summary);
-                        });
-      },
-      py::arg("plan"), py::arg("ct"), py::arg("skull"), py::arg("output"), py::arg("pictures"),
-      py::arg("progress"), py::arg("cancel"), py::arg("threads"), doc("pipeline::check_plan_file"));
   module.def(
       "solve_deck",
       [](const fs::path& deck, const fs::path& output, bool check_only, const py::object& progress,

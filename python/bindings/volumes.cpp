@@ -119,6 +119,25 @@ py::tuple state_of(const py::object& self) {
                         array_of(grid.origin_L), array_of(grid.direction));
 }
 
+/// Properties of the grid.
+template <class Value>
+void bind_grid(py::class_<OwnedVolume<Value>>& volume) {
+  using Owned = OwnedVolume<Value>;
+  volume
+      .def_property_readonly(
+          "spacing_mm", [](const Owned& self) { return array_of((*self).grid.spacing_mm); },
+          "Distance of neighboring voxels along the indices i (x), j (y) and k (z) [mm].")
+      .def_property_readonly(
+          "origin_L", [](const Owned& self) { return array_of((*self).grid.origin_L); },
+          doc("image::Grid::origin_L"))
+      .def_property_readonly(
+          "direction", [](const Owned& self) { return array_of((*self).grid.direction); },
+          doc("image::Grid::direction"))
+      .def_property_readonly(
+          "affine_LV", [](const Owned& self) { return affine_of((*self).grid); },
+          "4 by 4 matrix from voxel indices (i, j, k, 1) to a point of frame L (x, y, z, 1) [mm].");
+}
+
 /// What all volumes have; `values` is the name of the property with the array.
 template <class Value>
 py::class_<OwnedVolume<Value>> bind_volume(py::module_& module, const char* name,
@@ -145,18 +164,6 @@ py::class_<OwnedVolume<Value>> bind_volume(py::module_& module, const char* name
             return py::make_tuple(size[2], size[1], size[0]);
           },
           "Voxels along z, y and x: the shape of the array.")
-      .def_property_readonly(
-          "spacing_mm", [](const Owned& self) { return array_of((*self).grid.spacing_mm); },
-          "Distance of neighboring voxels along the indices i (x), j (y) and k (z) [mm].")
-      .def_property_readonly(
-          "origin_L", [](const Owned& self) { return array_of((*self).grid.origin_L); },
-          doc("image::Grid::origin_L"))
-      .def_property_readonly(
-          "direction", [](const Owned& self) { return array_of((*self).grid.direction); },
-          doc("image::Grid::direction"))
-      .def_property_readonly(
-          "affine_LV", [](const Owned& self) { return affine_of((*self).grid); },
-          "4 by 4 matrix from voxel indices (i, j, k, 1) to a point of frame L (x, y, z, 1) [mm].")
       .def(
           "__array__",
           [](const py::object& self, const py::object& dtype, const py::object& copy) {
@@ -182,6 +189,7 @@ py::class_<OwnedVolume<Value>> bind_volume(py::module_& module, const char* name
                         return from_array<Value>(state[0].cast<py::array>(), state[1], state[2],
                                                  state[3]);
                       }));
+  bind_grid(volume);
   return volume;
 }
 

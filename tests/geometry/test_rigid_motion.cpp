@@ -1,7 +1,9 @@
+#include <lefort/geometry/motion_rates.h>
 #include <lefort/geometry/rigid_motion.h>
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -82,6 +84,27 @@ TEST(InterpolatePose, DoesNotDependOnTheFrame) {
   const RigidTransform in_L = interpolate_pose(from, to, 0.3, kCenter);
   const RigidTransform in_M = interpolate_pose(X_ML * from, X_ML * to, 0.3, kCenter);
   EXPECT_LT((in_M.matrix() - (X_ML * in_L).matrix()).norm(), 1e-13);
+}
+
+TEST(MotionRates, AreTheDerivativesOfThePositions) {
+  const Vec3 translation(1.0, -2.0, 0.5), center(4.0, 5.0, 6.0), p_B(20.0, -60.0, 15.0);
+  // Large, small, tiny and no rotation: both branches of the left Jacobian.
+  for (const double size : {2.0, 0.3, 1e-3, 2e-5, 0.0}) {
+    const Vec3 rotation = size * Vec3(0.6, -0.48, 0.64);
+    const auto rates = motion_rates(translation, rotation, center);
+    const Vec3 p_L = rigid_motion(translation, rotation, center) * p_B;
+    for (Index i = 0; i < 6; ++i) {
+      constexpr double kStep = 1e-6;
+      std::array<Vec3, 2> at;
+      for (const int side : {0, 1}) {
+        Vec3 t = translation, r = rotation;
+        (i < 3 ? t[i] : r[i - 3]) += side == 0 ? -kStep : kStep;
+        at[std::size_t(side)] = rigid_motion(t, r, center) * p_B;
+      }
+      EXPECT_LT((rates[std::size_t(i)].at(p_L) - (at[1] - at[0]) / (2.0 * kStep)).norm(), 1e-6)
+          << size << ", " << i;
+    }
+  }
 }
 
 TEST(InterpolateScrew, IsExactAtBothEndsAndForAScrewInClosedForm) {

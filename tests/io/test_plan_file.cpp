@@ -88,6 +88,21 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.solver.max_iterations, 12);
 }
 
+TEST(PlanFile, IsCheckedWithAndWithoutItsFiles) {
+  Json plan = good_plan();
+  EXPECT_TRUE(check_plan_form(plan.dump()));
+  EXPECT_TRUE(check_plan(plan.dump(), "/cases/one").value().empty());
+  plan["landmarks"] = "missing.csv";
+  EXPECT_TRUE(check_plan_form(plan.dump()));
+  EXPECT_EQ(check_plan(plan.dump(), "/cases/one").error().code, ErrorCode::kFileNotFound);
+  plan["landmarks"] = "auto";  // Found in the scan, which is not read here.
+  EXPECT_TRUE(check_plan(plan.dump(), "/cases/one"));
+  plan["tissue"]["hue"] = 1;
+  for (const std::string& message :
+       {check_plan_form(plan.dump()).error().message, check_plan(plan.dump(), "/").error().message})
+    EXPECT_EQ(message, "tissue: unknown key 'hue'");
+}
+
 TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   Json json = good_plan();
   for (const char* key : {"ct", "segmentation", "tissue", "boundary", "contact", "field", "solver"})

@@ -278,6 +278,34 @@ TEST_F(RunInChild, StartsAgainAfterTheForkServerEnded) {
   EXPECT_TRUE(run(measure));
 }
 
+TEST_F(RunInChild, ServesAForkedProcess) {
+  ASSERT_TRUE(run(measure));
+  const pid_t forked = ::fork();
+  if (forked == 0) {
+    const bool is_read = run(measure).has_value();
+    stop_readers();  // Ends its use of them, not the readers of the program.
+    ::_exit(is_read ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(forked, &status, 0), forked);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_TRUE(run(measure));
+}
+
+TEST_F(RunInChild, StopsWhileAForkedProcessLives) {
+  ASSERT_TRUE(run(measure));
+  const pid_t forked = ::fork();
+  if (forked == 0) {
+    ::pause();
+    ::_exit(0);
+  }
+  stop_readers();  // Would wait forever if it waited for the copy of the connection.
+  EXPECT_EQ(::waitpid(forked, nullptr, WNOHANG), 0);
+  ::kill(forked, SIGKILL);
+  EXPECT_EQ(::waitpid(forked, nullptr, 0), forked);
+  EXPECT_TRUE(run(measure));
+}
+
 TEST_F(RunInChild, EndsWithTheProgram) {
   // A program of its own: it starts a fork server, a child that loops, and is killed.
   const pid_t program = ::fork();

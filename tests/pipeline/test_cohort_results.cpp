@@ -132,6 +132,35 @@ TEST_F(CohortFolder, MissingAndAmbiguousFilesAreReported) {
   EXPECT_NE(reason().find("a scan and surfaces before"), std::string::npos) << reason();
 }
 
+TEST_F(CohortFolder, FindsTheFilesOfABidsDataset) {
+  add("sub-01/ct/sub-01_ct.nii.gz");
+  add("sub-01/ct/sub-01_ct.json");
+  add("sub-01/ct/sub-01_plan.json");
+  add("sub-02/ses-before/ct/sub-02_ses-before_ct.nrrd");
+  add("sub-02/ses-before/ct/sub-02_ses-before_landmarks.csv");
+  add("sub-02/ses-after/ct/sub-02_ses-after_skin.ply");
+  add("derivatives/lefort/x");
+  add("plan.json");
+  const auto cases = list_cases(folder_.path());
+  ASSERT_TRUE(cases) << cases.error().message;
+  ASSERT_EQ(cases->size(), 2U);
+  const auto one = find_case(folder_ / "sub-01", AfterSurgery::kOptional);
+  ASSERT_TRUE(one) << one.error().message;
+  EXPECT_EQ(one->before_scan, folder_ / "sub-01/ct/sub-01_ct.nii.gz");
+  EXPECT_EQ(one->plan, folder_ / "sub-01/ct/sub-01_plan.json");
+  EXPECT_FALSE(one->has_after());
+  const auto required = find_case(folder_ / "sub-01");
+  ASSERT_FALSE(required);
+  EXPECT_NE(required.error().message.find("no face after surgery"), std::string::npos);
+  const auto two = find_case(folder_ / "sub-02");
+  ASSERT_TRUE(two) << two.error().message;
+  const fs::path before = folder_ / "sub-02/ses-before/ct";
+  EXPECT_EQ(two->before_scan, before / "sub-02_ses-before_ct.nrrd");
+  EXPECT_EQ(two->landmarks, before / "sub-02_ses-before_landmarks.csv");
+  EXPECT_EQ(two->after.skin, folder_ / "sub-02/ses-after/ct/sub-02_ses-after_skin.ply");
+  EXPECT_EQ(two->plan, folder_ / "plan.json");
+}
+
 /// Neither the name nor the place of a case matters, only its contents.
 TEST_F(CohortFolder, TheFingerprintIsOfContents) {
   for (const char* name : {"a", "b"}) {

@@ -3,9 +3,13 @@
 #include <lefort/pipeline/cache/stage_cache.h>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "support/temporary_folder.h"
 
@@ -132,6 +136,75 @@ TEST(StageCache, AResultThatCannotBeCachedIsReturned) {
   RecordedProgress reported;
   EXPECT_EQ(stage.get(kKey, reported).value(), "made for " + kKey);
   EXPECT_NE(reported.notes.find("text.txt is not cached"), std::string::npos) << reported.notes;
+}
+
+/// A text long enough that an incomplete read would be seen.
+std::string long_text(const std::string& key) {
+  std::string text;
+  while (text.size() < 300000) text += key;
+  return text;
+}
+
+/// Reads and writes a few entries of a shared cache, and damages some. \returns whether every text
+/// was right.
+bool use_shared(const fs::path& folder, int process) {
+  const fs::path scratch = folder / "scratch" / std::to_string(process);
+  const StageCache cache(SharedCache{folder / "cache", scratch});
+  bool is_right = true;
+  for (int round = 0; round < 60; ++round) {
+    const std::string key(64, char('a' + round % 3));
+    const auto text = cache.get(
+        "text.txt", key, Progress::none(),
+        [](const fs::path& path) { return io::read_text(path, 1 << 20); },
+        [&]() -> Result<std::string> { return long_text(key); },
+        [](const fs::path& path, const std::string& made) { return io::write_text(path, made); });
+    is_right = is_right && text && *text == long_text(key);
+    if (round % 20 == process)  // A disk that flips bits.
+      is_right = is_right && io::write_text(cache.file("text.txt", key), "damaged").has_value();
+  }
+  return is_right && fs::is_empty(scratch);
+}
+
+TEST(StageCache, ConcurrentProcessesReadOnlyWholeEntries) {
+  constexpr int kProcesses = 4;
+  const test::TemporaryFolder folder;
+  std::vector<pid_t> processes;
+  for (int k = 0; k < kProcesses; ++k) {
+    processes.push_back(::fork());
+    if (processes.back() == 0) ::_exit(use_shared(folder.path(), k) ? 0 : 1);
+  }
+  for (const pid_t process : processes) {
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
+  EXPECT_TRUE(use_shared(folder.path(), kProcesses));
+}
+
+/// Readers may have mapped it.
+TEST(StageCache, APublishedFileIsNotReplacedUnlessItIsDamaged) {
+  const test::TemporaryFolder folder;
+  const fs::path target = folder / "entry";
+  const auto publish_text = [&](const std::string& text) {
+    ASSERT_TRUE(io::write_text(folder / "made", text));
+    const auto published = publish(folder / "made", target);
+    ASSERT_TRUE(published) << published.error().message;
+  };
+  publish_text("first");
+  publish_text("second");
+  EXPECT_EQ(io::read_text(target, 100).value(), "first");
+  ASSERT_TRUE(io::write_text(target, "damaged"));
+  publish_text("third");
+  EXPECT_EQ(io::read_text(target, 100).value(), "third");
+  EXPECT_TRUE(check_digest(target));
+}
+
+TEST(StageCache, ASharedCacheKeepsAllFiles) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(SharedCache{folder / "cache", folder / "scratch"})};
+  for (char c = 'a'; c < 'm'; ++c) ASSERT_TRUE(stage.get(std::string(64, c)));
+  for (char c = 'a'; c < 'm'; ++c) ASSERT_TRUE(stage.get(std::string(64, c)));
+  EXPECT_EQ(stage.made, 12);
 }
 
 }  // namespace

@@ -113,6 +113,7 @@ TEST(ServerContract, TheSchemasRejectWhatTheServerRejects) {
       {"Plan", {"PUT", "/plan"}},
       {"Poses", {"POST", "/poses"}},
       {"Poses", {"POST", "/preview"}},
+      {"PreviewFitRequest", {"POST", "/preview/fit"}},
       {"OsteotomyRequest", {"POST", "/osteotomies"}}};
   int sent = 0;
   for (const fs::path& file : fixtures("invalid"))
@@ -401,6 +402,38 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
   json swapped = poses;
   std::swap(swapped["left"], swapped["right"]);
   EXPECT_NE(body_of(preview(swapped)), body_of(both));
+  // The segment follows a point of the skin that is moved by 1 mm.
+  const std::string bytes = body_of(both);
+  std::vector<float> skin_mm(bytes.size() / sizeof(float));
+  std::memcpy(skin_mm.data(), bytes.data(), bytes.size());
+  std::size_t vertex = 0;
+  for (std::size_t v = 0; v < skin_mm.size() / 3; ++v)
+    if (skin_mm[3 * v + 1] < skin_mm[3 * vertex + 1]) vertex = v;
+  const json at{skin_mm[3 * vertex], skin_mm[3 * vertex + 1] - 1.0F, skin_mm[3 * vertex + 2]};
+  const auto fit = [&](const json& number) {
+    return api.call_api("POST", "/preview/fit",
+                        json{{"poses", poses},
+                             {"segment", "left"},
+                             {"vertex", number},
+                             {"displacement_mm", at},
+                             {"free", {"anterior"}}}
+                            .dump());
+  };
+  const Response fitted = fit(vertex);
+  ASSERT_EQ(fitted.status, 200) << fitted.text;
+  ASSERT_TRUE(parse_by_contract(fitted.text, "PreviewFit")) << fitted.text;
+  const json followed = json::parse(fitted.text);
+  EXPECT_LT(followed["pose"][7], -3.5);
+  EXPECT_EQ(followed["pose"][3], poses["left"][3]);
+  EXPECT_NEAR(followed["displacement_mm"][1], at[1], 0.3);
+  json refitted = poses;
+  refitted["left"] = followed["pose"];
+  const std::string again = body_of(preview(refitted));
+  float y_mm = 0.0F;
+  std::memcpy(&y_mm, again.data() + (3 * vertex + 1) * sizeof(float), sizeof(y_mm));
+  EXPECT_NEAR(y_mm, followed["displacement_mm"][1], 1e-3);
+  EXPECT_EQ(fit(skin_mm.size()).status, 422);
+
   const json distance = api.get("/preview/distance");
   EXPECT_GT(distance["moved_vertices"], 0);
   EXPECT_LT(distance["p50_mm"], 1.0);

@@ -41,6 +41,8 @@ int run_command(int argc, char** argv) {
   add_plan_command(cli, context);
   add_predict_command(cli, context);
   add_compare_command(cli, context);
+  add_uncertainty_command(cli, context);
+  add_run_command(cli, context);
   add_validate_command(cli, context);
   add_calibrate_command(cli, context);
   add_solve_command(cli, context);

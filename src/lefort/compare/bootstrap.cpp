@@ -1,5 +1,6 @@
 #include <lefort/compare/bootstrap.h>
 #include <lefort/core/check.h>
+#include <lefort/core/random_draws.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,16 +9,6 @@
 
 namespace lefort::compare {
 namespace {
-
-/// A uniform number below `count`. Not std::uniform_int_distribution, whose numbers depend on the
-/// library.
-Index draw_below(std::mt19937_64& bits, Index count) {
-  const auto n = std::uint64_t(count);
-  const std::uint64_t limit = std::numeric_limits<std::uint64_t>::max() / n * n;
-  std::uint64_t drawn = bits();
-  while (drawn >= limit) drawn = bits();
-  return Index(drawn % n);
-}
 
 /// \pre `ascending` is not empty.
 double quantile(const std::vector<double>& ascending, double fraction) {

@@ -130,7 +130,8 @@ Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks) {
     if (std::any_of(landmarks[i].name.begin(), landmarks[i].name.end(),
                     [](unsigned char c) { return std::iscntrl(c) != 0; }))
       return bad(fmt::format("landmark {} has a name with control characters", i + 1));
-    if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kMaxLandmark_mm))
+    const Vec3& point_L = landmarks[i].point_L;
+    if (!point_L.allFinite() || point_L.cwiseAbs().maxCoeff() > kMaxLandmark_mm)
       return bad(fmt::format("landmark {} is beyond {:g} mm", landmarks[i].name, kMaxLandmark_mm));
   }
   if (const auto repeated = plan::first_repeated_name(landmarks))

@@ -63,6 +63,13 @@ std::vector<std::string> files_of_plan(const std::string& text) {
   return names;
 }
 
+std::string rename_files(const std::string& text,
+                         const std::function<std::string(const std::string&)>& new_name) {
+  auto json = OrderedJson::parse(text);
+  visit_files(json, [&](OrderedJson& name) { name = new_name(name.get<std::string>()); });
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+}
+
 Result<std::vector<InputFile>> fingerprints(const std::string& text, const fs::path& plan_file) {
   std::vector<InputFile> files;
   for (const std::string& name : files_of_plan(text)) {

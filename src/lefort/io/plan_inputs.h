@@ -6,6 +6,7 @@
 #include <lefort/io/plan_file.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,13 @@ struct InputFile {
 /// \returns one entry per file, or the errors of sha256_of_file().
 [[nodiscard]] Result<std::vector<InputFile>> fingerprints(const std::string& text,
                                                           const std::filesystem::path& plan_file);
+
+/// Returns the text of the plan with other names of its files, except that of the scan.
+///
+/// \param text      of a valid plan.
+/// \param new_name  of the file with the given name.
+[[nodiscard]] std::string rename_files(
+    const std::string& text, const std::function<std::string(const std::string&)>& new_name);
 
 /// Returns the text of a copy of the plan with paths relative to the folder of the copy.
 ///

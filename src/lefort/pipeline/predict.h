@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/pipeline/cache/stage_cache.h>
 #include <lefort/pipeline/summary.h>
 #include <lefort/predict/face_prediction.h>
 
@@ -21,6 +22,11 @@ struct PredictJob {
   /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
   /// (interface_sensitivity.h).
   bool sensitivity = true;
+  bool paraview = true;  ///< Writes the tissue at each step.
+  /// Run times and peak memory go to timing.json instead of prediction.json and the report, whose
+  /// bytes then depend on the inputs alone.
+  bool separate_timing = false;
+  std::optional<SharedCache> shared_cache{};  ///< Instead of a cache in the output folder.
   /// Called after each converged step, also those of an interrupted run, with the number of steps
   /// of the path; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};

@@ -27,9 +27,15 @@ struct LoadLevel {
 /// Max motion of a segment in one increment, as a fraction of the element size.
 inline constexpr double kIncrementElementFraction = 0.25;
 
+/// Max motion of a vertex of a segment in one increment: a quarter of an element, or half of
+/// `max_distance_mm` (docs/theory/contact.md, Load stepping).
+///
+/// \param tissue           its element size is used.
+/// \param max_distance_mm  minimum of those of the segments' distance queries, > 0.
+[[nodiscard]] double max_increment_mm(const TissueOptions& tissue, double max_distance_mm);
+
 /// Number of equal increments of a step. In one increment no vertex of a segment moves further
-/// than a quarter of an element, or than half of `max_distance_mm` (docs/theory/contact.md, Load
-/// stepping). Plans that differ only in their number of steps can thus have the same increments.
+/// than max_increment_mm(). Plans that differ only in their number of steps can thus have the same increments.
 ///
 /// \param tissue           its element size is used.
 /// \param paths            one for each segment.

@@ -3,6 +3,8 @@
 /// escapes them.
 #pragma once
 
+#include <lefort/report/plot_band.h>
+#include <lefort/report/plot_bars.h>
 #include <lefort/report/plot_lines.h>
 
 #include <string>
@@ -63,6 +65,8 @@ struct CaseReport {
   std::vector<KeyNumber> key_numbers{};
   std::vector<ReportTable> tables{};
 
+  std::vector<BandPlot> bands{};  ///< Before the bars and plots, under the same heading.
+  std::vector<BarPlot> bars{};
   std::vector<LinePlot> plots{};
   std::string plots_heading = "Plots";
 

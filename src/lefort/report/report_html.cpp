@@ -99,13 +99,25 @@ std::string tables(const CaseReport& report) {
   return html;
 }
 
+std::string plot_figure(const std::string& title, const std::string& svg) {
+  return fmt::format("<figure>\n<h3>{}</h3>\n{}</figure>\n", escaped(title), svg);
+}
+
+std::string in_row(const std::string& figures) {
+  return figures.empty() ? figures : "<div class=\"pictures plots\">\n" + figures + "</div>\n";
+}
+
 std::string plots(const std::vector<LinePlot>& plots) {
-  if (plots.empty()) return {};
   std::string figures;
-  for (const LinePlot& plot : plots)
-    figures +=
-        fmt::format("<figure>\n<h3>{}</h3>\n{}</figure>\n", escaped(plot.title), plot_lines(plot));
-  return "<div class=\"pictures plots\">\n" + figures + "</div>\n";
+  for (const LinePlot& plot : plots) figures += plot_figure(plot.title, plot_lines(plot));
+  return in_row(figures);
+}
+
+std::string all_plots(const CaseReport& report) {
+  std::string figures;
+  for (const BandPlot& plot : report.bands) figures += plot_figure(plot.title, plot_band(plot));
+  for (const BarPlot& plot : report.bars) figures += plot_figure(plot.title, plot_bars(plot));
+  return in_row(figures) + plots(report.plots);
 }
 
 std::string solver(const CaseReport& report) {
@@ -172,7 +184,7 @@ std::string report_html(const CaseReport& report) {
   html += section("Key numbers", key_numbers(report));
   html += section("Please note", list(report.notes));
   html += section("Measurements", tables(report));
-  html += section(report.plots_heading, plots(report.plots));
+  html += section(report.plots_heading, all_plots(report));
   html += section("Convergence of the solver", solver(report));
   html += section("Provenance", provenance(report));
   html += section("Limitations", limitations(report));

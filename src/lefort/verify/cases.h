@@ -1,5 +1,5 @@
 /// \file
-/// The cases. Punch and ironing are in rigid_contact.cpp, each other case has a .cpp of its own.
+/// The cases. Punch and ironing are in rigid_contact.cpp, uncertainty in uncertain_bar.cpp; each other case has a .cpp of its own.
 /// Each function returns the section of its case, whose checks may have failed; `progress` may stop
 /// it.
 #pragma once
@@ -21,5 +21,6 @@ namespace lefort::verify {
 [[nodiscard]] Section verify_hertz(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_punch(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_ironing(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_uncertainty(Extent extent, Progress& progress);
 
 }  // namespace lefort::verify

@@ -16,7 +16,7 @@ constexpr std::array kCases{
     Case{"inflation", verify_inflation}, Case{"torsion", verify_torsion},
     Case{"bulging", verify_bulging},     Case{"bending", verify_bending},
     Case{"hertz", verify_hertz},         Case{"punch", verify_punch},
-    Case{"ironing", verify_ironing},
+    Case{"ironing", verify_ironing},     Case{"uncertainty", verify_uncertainty},
 };
 
 }  // namespace

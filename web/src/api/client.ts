@@ -258,6 +258,11 @@ export class Client {
     return new Float32Array(await response.arrayBuffer());
   }
 
+  /** The translation of a segment that brings a point of the previewed skin to a wanted displacement. */
+  async previewFit(request: Omit<Schemas['PreviewFitRequest'], 'poses'> & { poses: Poses }): Promise<Schemas['PreviewFit']> {
+    return parse('PreviewFit', await (await this.json('POST', '/preview/fit', request)).json());
+  }
+
   /** Displacement of each vertex of surface skin_before at a step, from 1 [mm], flat xyz. */
   async predictionStep(step: number): Promise<Float32Array> {
     return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());

@@ -436,6 +436,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/preview/fit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Translation of one segment for which the preview brings a vertex of surface skin to a wanted displacement; needs job preview-factor and the pose of each of its segments */
+        post: operations["postPreviewFit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/preview/distance": {
         parameters: {
             query?: never;
@@ -929,6 +946,31 @@ export interface components {
                 }[];
                 anchor_points?: (string | number[])[];
             };
+        };
+        PreviewFitRequest: {
+            /** @description Present pose of each segment of the preview. */
+            poses: {
+                [key: string]: components["schemas"]["Pose"];
+            };
+            /** @description Name of the segment that moves. */
+            segment: string;
+            /** @description Of surface skin. */
+            vertex: number;
+            /** @description Wanted displacement of the vertex from its position before surgery [mm]. */
+            displacement_mm: number[];
+            /** @description Directions of the translation; the displacement is wanted along these alone. */
+            free: ("left" | "anterior" | "superior")[];
+        };
+        PreviewFit: {
+            /** @constant */
+            note: "preview, not a prediction";
+            pose: components["schemas"]["Pose"];
+            /** @description Displacement of the vertex by the preview at this pose [mm]. */
+            displacement_mm: number[];
+            /** @description Distance from the wanted displacement along the free directions [mm]. */
+            residual_mm: number;
+            /** @description Whether the limit of 20 mm along a direction was reached. */
+            at_limit: boolean;
         };
         PreviewDistance: {
             /** @constant */
@@ -1860,6 +1902,31 @@ export interface operations {
                 };
                 content: {
                     "application/octet-stream": string;
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    postPreviewFit: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PreviewFitRequest"];
+            };
+        };
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PreviewFit"];
                 };
             };
             default: components["responses"]["Refused"];

@@ -9,6 +9,7 @@ export * from './movement_edit';
 export * from './moves';
 export * from './plan';
 export * from './prepare';
+export * from './profile';
 export * from './ray';
 export * from './section';
 export * from './solve';

@@ -1,4 +1,4 @@
-import { IDENTITY, lengths, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
+import { IDENTITY, lengths, midsagittalX, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
 import type { View3d } from '../scene';
 import type { App } from './app';
 import { saveBlob } from './download';
@@ -152,25 +152,12 @@ export class CompareView {
     this.view.render();
   }
 
-  /** Position (x) of the mid-sagittal plane [mm]: from midline landmarks, else the middle of the skin. */
-  private middleX(): number {
-    const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
-    if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;
-    const points = this.view.body('skin_before')!.surface.points;
-    let [low, high] = [Infinity, -Infinity];
-    for (let n = 0; n < points.length; n += 3) {
-      low = Math.min(low, points[n]);
-      high = Math.max(high, points[n]);
-    }
-    return (low + high) / 2;
-  }
-
   profile(): { before: Float32Array; after: Float32Array } | null {
     const before = this.view.body('skin_before');
     const after = this.view.body('predicted');
     if (!before || !after) return null;
     if (!this.profile_) {
-      const point: Vec3 = [this.middleX(), 0, 0];
+      const point: Vec3 = [midsagittalX(this.app.model.doc.landmarks, before.surface.points), 0, 0];
       this.profile_ = {
         before: sectionOf(before.surface, point, [1, 0, 0]),
         after: sectionOf({ points: after.points, triangles: after.surface.triangles }, point, [1, 0, 0]),

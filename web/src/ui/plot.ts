@@ -1,4 +1,5 @@
 import { svg, html, type TemplateResult } from 'lit-html';
+import { profileFrame, profilePath, viewBoxOf } from '../model';
 import type { NewtonPoint } from './state';
 
 const W = 300;
@@ -45,39 +46,18 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
 
 /** Outlines of the face in the mid-sagittal plane, before and after, from the patient's right. Pairs of points in L. */
 export function profilePlot(before: Float32Array, after: Float32Array): TemplateResult | null {
-  if (before.length === 0) return null;
-  let [lowY, highZ, lowZ, highY] = [Infinity, -Infinity, Infinity, -Infinity];
-  for (const lines of [before, after])
-    for (let n = 0; n < lines.length; n += 3) {
-      lowY = Math.min(lowY, lines[n + 1]);
-      highY = Math.max(highY, lines[n + 1]);
-      lowZ = Math.min(lowZ, lines[n + 2]);
-      highZ = Math.max(highZ, lines[n + 2]);
-    }
-  // The profile is the front 60 mm; the rest is the back of the head.
-  const depth = Math.min(60, highY - lowY);
-  const pad = 6;
-  const path = (lines: Float32Array): string => {
-    let d = '';
-    for (let n = 0; n < lines.length; n += 6) {
-      if (lines[n + 1] > lowY + depth && lines[n + 4] > lowY + depth) continue;
-      // From the right, anterior is on the right: y decreases to the right.
-      const at = (k: number) =>
-        `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
-      d += `M${at(0)}L${at(3)}`;
-    }
-    return d;
-  };
+  const frame = before.length === 0 ? null : profileFrame([before, after]);
+  if (!frame) return null;
   return html`<svg
     class="plot"
-    viewBox="0 0 ${depth + 2 * pad} ${highZ - lowZ + 2 * pad}"
+    viewBox=${viewBoxOf(frame)}
     .style=${'max-height:240px'}
     role="img"
     aria-label="Profile before and after, from the right"
   >
-    ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4"
+    ${svg`<path d=${profilePath(before, frame)} fill="none" stroke="var(--ink-3)" stroke-width="1.4"
         vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
-      <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2"
+      <path d=${profilePath(after, frame)} fill="none" stroke="var(--accent)" stroke-width="2"
         vector-effect="non-scaling-stroke"></path>`}
   </svg>`;
 }

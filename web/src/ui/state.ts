@@ -109,6 +109,13 @@ export interface State {
   showOverlap: boolean;
   /** Show slices beside the bones in the step of the movement. */
   showSlices: boolean;
+  /** A point of the skin that is dragged on the profile: y and z in L. */
+  profilePoint: {
+    wanted: [number, number];
+    reached: [number, number];
+    state: 'waiting' | 'shown' | 'limit' | 'failed';
+    why: string;
+  } | null;
   preview: {
     state: 'none' | 'waiting' | 'shown' | 'failed';
     latency_ms: number | null;
@@ -198,6 +205,7 @@ const initialPlanning = () =>
     depth: null,
     showOverlap: true,
     showSlices: false,
+    profilePoint: null,
     preview: { state: 'none', latency_ms: null, why: '', max_mm: 0 },
     showPreview: true,
   }) satisfies Partial<State>;

@@ -17,6 +17,7 @@ import type { App } from './app';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
 import type { SceneListeners } from './planner_context';
+import { ProfileDrag } from './profile_drag';
 import { nextFrame } from './schedule';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
@@ -68,6 +69,7 @@ export class Viewer implements SceneListeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
   compare!: CompareView;
+  profileDrag!: ProfileDrag;
   private boundary!: BoundaryView;
   private input!: ViewerInput;
   private app!: App;
@@ -114,6 +116,7 @@ export class Viewer implements SceneListeners {
   attach(app: App): void {
     this.app = app;
     this.compare = new CompareView(this.view, app);
+    this.profileDrag = new ProfileDrag(app, () => this.view.body('skin'));
     this.boundary = new BoundaryView(this.view, app);
     this.input = new ViewerInput(app, () => this.present());
     app.model.state.subscribe((state, before) => this.onState(state, before));

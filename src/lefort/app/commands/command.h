@@ -40,8 +40,10 @@ void add_landmarks_command(CLI::App& cli, CommandContext& context);
 void add_plan_command(CLI::App& cli, CommandContext& context);
 void add_compare_command(CLI::App& cli, CommandContext& context);
 void add_predict_command(CLI::App& cli, CommandContext& context);
+void add_run_command(CLI::App& cli, CommandContext& context);
 void add_solve_command(CLI::App& cli, CommandContext& context);
 void add_calibrate_command(CLI::App& cli, CommandContext& context);
+void add_uncertainty_command(CLI::App& cli, CommandContext& context);
 void add_validate_command(CLI::App& cli, CommandContext& context);
 void add_verify_command(CLI::App& cli, CommandContext& context);
 

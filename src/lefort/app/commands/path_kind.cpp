@@ -21,6 +21,7 @@ constexpr std::array kTraits{
     PathTraits{PathKind::kLabels, "path:labels", "LABELS", ".seg.nrrd", PathForm::kFile, false},
     PathTraits{PathKind::kPlan, "path:plan", "PLAN", ".json", PathForm::kFile, false},
     PathTraits{PathKind::kDeck, "path:deck", "DECK", ".json", PathForm::kFile, false},
+    PathTraits{PathKind::kTarget, "path:target", "TARGET", ".json", PathForm::kFile, false},
     PathTraits{PathKind::kField, "path:field", "FIELD", ".field", PathForm::kFile, false},
     PathTraits{PathKind::kPoints, "path:points", "POINTS", ".csv,.txt", PathForm::kFile, false},
     PathTraits{PathKind::kFolder, "path:folder", "FOLDER", "", PathForm::kFolder, false},

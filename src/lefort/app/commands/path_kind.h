@@ -18,6 +18,7 @@ enum class PathKind {
   kLabels,        ///< A segmentation.
   kPlan,          ///< A plan.
   kDeck,          ///< A deck.
+  kTarget,        ///< Wanted positions of the face.
   kField,         ///< A distance field.
   kPoints,        ///< A table of points.
   kFolder,        ///< A folder that is read.

@@ -1,5 +1,6 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/path_kind.h>
+#include <lefort/pipeline/optimize.h>
 #include <lefort/pipeline/plan.h>
 
 #include <memory>
@@ -31,12 +32,52 @@ void add_limits(CLI::App& command, decltype(pipeline::CheckPlanJob::limits)& lim
       ->capture_default_str();
 }
 
+void add_optimize_command(CLI::App& plan, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::OptimizeJob>();
+  const auto no_pictures = std::make_shared<bool>(false), no_check = std::make_shared<bool>(false);
+  CLI::App* const command = plan.add_subcommand(
+      "optimize", "Find the bone movements whose predicted face is closest to a target");
+  mark_path(command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)"),
+            PathKind::kPlan)
+      ->required();
+  mark_path(
+      command->add_option("--target", job->target, "Target file (contract/target.schema.json)"),
+      PathKind::kTarget)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output, "Folder for the results"),
+            PathKind::kNewFolder)
+      ->required();
+  mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
+            PathKind::kScan);
+  command
+      ->add_option("--corrections", job->max_corrections,
+                   "Maximum number of solves of the model of the plan; 0: coarse model only")
+      ->check(CLI::Range(0, 50))
+      ->capture_default_str();
+  command->add_flag("--no-gradient-check", *no_check,
+                    "Skip the comparison of the gradient with differences");
+  command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
+  command->footer(
+      "Example:\n"
+      "  lefort plan optimize examples/midface_forward_clinical.json --ct ct.nrrd \\\n"
+      "      --target examples/profile_target.json -o optimized/\n"
+      "Writes plan.json, which lefort predict accepts, optimize.json, report.html, pictures/, and\n"
+      "in prediction/ the full prediction of that plan. Not for clinical use.");
+  command->callback([job, no_pictures, no_check, &context] {
+    job->pictures = !*no_pictures;
+    job->check_gradient = !*no_check;
+    context.run("plan optimize",
+                [&](Progress& progress) { return pipeline::optimize_plan(*job, progress); });
+  });
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const plan =
-      cli.add_subcommand("plan", "Osteotomies and bone movements, without the face");
+      cli.add_subcommand("plan", "Osteotomies and bone movements: check, optimize");
   plan->require_subcommand(1);
+  add_optimize_command(*plan, context);
   const auto job = std::make_shared<pipeline::CheckPlanJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(

@@ -2,18 +2,21 @@
 #include <lefort/io/start_readers.h>
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <span>
@@ -169,8 +172,13 @@ void run_task(const Order& order, std::string_view request, int input, int resul
 }
 
 /// The connection to the fork server.
+///
+/// A process that the program forks, as multiprocessing of Python does, has a copy of the
+/// connection: messages are whole, so that both use the same server.
 class ForkServer {
  public:
+  ForkServer() { ::pthread_atfork(nullptr, nullptr, &ForkServer::after_fork); }
+
   /// Sends to the running server, or to a new one if there is none.
   bool send(std::span<const std::string_view> parts, std::span<const int> descriptors) {
     const std::scoped_lock lock(mutex_);
@@ -184,12 +192,18 @@ class ForkServer {
   }
   void stop() {
     const std::scoped_lock lock(mutex_);
+    // Forked processes have copies of the socket; the server would not end before they do.
+    const bool is_ours = process_ > 0 && starter_ == ::getpid();
+    if (is_ours && socket_.is_open()) ::shutdown(socket_.number(), SHUT_RDWR);
     socket_ = Descriptor();
-    if (process_ > 0) ::waitpid(process_, nullptr, 0);
+    if (is_ours) ::waitpid(process_, nullptr, 0);
     process_ = -1;
   }
 
  private:
+  /// In a forked process: another thread may have held the mutex, and no longer exists.
+  static void after_fork();
+
   void start() {
     socket_ = Descriptor();
     std::array<int, 2> pair{};
@@ -203,18 +217,22 @@ class ForkServer {
       }
     if (server < 0) return;
     process_ = server;
+    starter_ = ::getpid();
     socket_ = std::move(ours);
   }
 
   std::mutex mutex_;
   Descriptor socket_;
   pid_t process_ = -1;
+  pid_t starter_ = -1;  ///< The process that started the server.
 };
 
 ForkServer& fork_server() {
   static ForkServer server;  // One of the process, as standard output is.
   return server;
 }
+
+void ForkServer::after_fork() { std::construct_at(&fork_server().mutex_); }
 
 Error no_child(const char* what) {
   return {ErrorCode::kOutOfMemory,

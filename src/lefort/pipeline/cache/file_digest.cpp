@@ -39,6 +39,27 @@ Result<void> check_digest(const fs::path& file) {
               fmt::format("{} does not have its SHA-256", file.filename().string()));
 }
 
+Result<void> publish(const fs::path& made, const fs::path& target) {
+  if (check_digest(target)) return {};
+  const auto failed = [&](const std::error_code& error) {
+    return fail(
+        ErrorCode::kFileUnwritable,
+        fmt::format("{} cannot be published: {}", target.filename().string(), error.message()));
+  };
+  LEFORT_TRY(const std::string sha256, io::sha256_of_file(made));
+  const fs::path digest = digest_file(made);
+  LEFORT_TRY_VOID(io::write_text(digest, digest_line(sha256, target)));
+  std::error_code error;
+  fs::rename(digest, digest_file(target), error);
+  if (error) return failed(error);
+  fs::create_hard_link(made, target, error);
+  if (!error) return {};
+  if (check_digest(target)) return {};  // Another process was faster.
+  fs::rename(made, target, error);      // A damaged file, or a file system without hard links.
+  if (error) return failed(error);
+  return {};
+}
+
 void remove_oldest(const fs::path& folder, const std::string& name, std::size_t kept) {
   std::error_code error;
   std::vector<std::pair<fs::file_time_type, fs::path>> files;

@@ -230,6 +230,8 @@ Json segments_summary(const PreparedCase& prepared) {
   });
 }
 
+}  // namespace
+
 Json timing_json(const Timing& timing) {
   Json stages = Json::object();
   double total = 0.0;
@@ -243,10 +245,9 @@ Json timing_json(const Timing& timing) {
           {"peak_memory_mb", peak_memory_mb()}};
 }
 
-}  // namespace
-
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
-                     const predict::SkinDisplacementStatistics& skin, const Timing& timing) {
+                     const predict::SkinDisplacementStatistics& skin,
+                     const std::optional<Timing>& timing) {
   Json steps = Json::array();
   for (const predict::PredictionStep& step : prediction.steps)
     steps.push_back(step_json(step, prepared));
@@ -283,7 +284,7 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
     json["failure"] = prediction.failure->message;
     json["failed_attempts"] = attempts_json(prediction.failed_attempts);
   }
-  json["timing"] = timing_json(timing);
+  if (timing) json["timing"] = timing_json(*timing);
   return json;
 }
 

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,10 +21,14 @@ struct Timing {
   std::vector<double> step_seconds;
 };
 
+/// The times, and the peak memory of the process so far.
+[[nodiscard]] nlohmann::ordered_json timing_json(const Timing& timing);
+
 /// \param prediction  with the steps that converged.
 /// \param skin        of the last step; zero if the path did not converge.
+/// \param timing      none: the key `timing` is missing.
 [[nodiscard]] nlohmann::ordered_json prediction_json(
     const PreparedCase& prepared, const predict::FacePrediction& prediction,
-    const predict::SkinDisplacementStatistics& skin, const Timing& timing);
+    const predict::SkinDisplacementStatistics& skin, const std::optional<Timing>& timing);
 
 }  // namespace lefort::pipeline

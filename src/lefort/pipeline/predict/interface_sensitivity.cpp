@@ -1,4 +1,5 @@
 #include <lefort/pipeline/predict/interface_sensitivity.h>
+#include <lefort/pipeline/prepare/coarse_face.h>
 #include <lefort/predict/embed_skin.h>
 #include <lefort/predict/load_levels.h>
 #include <lefort/predict/predict_face.h>
@@ -12,21 +13,7 @@
 namespace lefort::pipeline {
 namespace {
 
-/// A coarse mesh, for both interfaces: only their difference is reported. Contact as a random
-/// input: \cite knoops2018.
-constexpr double kElementSize_mm = 8.0, kFarElementSize_mm = 12.0;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
-
-predict::TissueOptions coarse(const predict::TissueOptions& fine) {
-  predict::TissueOptions options = fine;
-  options.element_size_mm = std::max(fine.element_size_mm, kElementSize_mm);
-  options.far_element_size_mm = std::max(fine.far_element_size_mm, kFarElementSize_mm);
-  options.element_order = 1;
-  options.skin.reset();
-  options.mucosa.reset();
-  options.face.reset();
-  return options;
-}
 
 /// The paths in as few steps as the coarse mesh allows (predict/load_levels.h).
 std::vector<geometry::RigidPath> in_coarse_steps(const PreparedCase& prepared,
@@ -43,10 +30,11 @@ std::vector<geometry::RigidPath> in_coarse_steps(const PreparedCase& prepared,
   return paths;
 }
 
-/// Displacement of the skin by one interface.
+/// Displacement of the skin by one interface, on a coarse mesh for both: only their difference is
+/// reported. Contact as a random input: \cite knoops2018.
 Result<std::vector<Vec3>> solve(const PreparedCase& prepared, predict::TissueInterface interface,
                                 const StageCache& cache, Progress& progress) {
-  const predict::TissueOptions tissue = coarse(prepared.plan.tissue);
+  const predict::TissueOptions tissue = coarse_tissue(prepared.plan.tissue);
   predict::BoundaryOptions boundary = prepared.plan.boundary;
   boundary.interface = interface;
   LEFORT_TRY(const predict::FaceModel model,
@@ -73,7 +61,8 @@ double percentile(const std::vector<double>& sorted, double fraction) {
 Result<InterfaceSensitivity> measure_interface_sensitivity(const PreparedCase& prepared,
                                                            const StageCache& cache,
                                                            Progress& progress) {
-  InterfaceSensitivity sensitivity{.element_size_mm = coarse(prepared.plan.tissue).element_size_mm};
+  InterfaceSensitivity sensitivity{.element_size_mm =
+                                       coarse_tissue(prepared.plan.tissue).element_size_mm};
   Result<std::vector<Vec3>> attached_mm = solve(prepared, sensitivity.attached, cache, progress);
   const auto may_help = [](ErrorCode code) {
     return code != ErrorCode::kCancelled && code != ErrorCode::kOutOfMemory;

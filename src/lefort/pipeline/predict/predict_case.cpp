@@ -1,10 +1,12 @@
 #include <lefort/compare/soft_tissue_ratios.h>
 #include <lefort/core/units.h>
+#include <lefort/core/version.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/sha256.h>
+#include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cache/restart_file.h>
 #include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/predict.h>
@@ -121,9 +123,12 @@ struct LoadedPlan {
   fs::path ct;
 };
 
-Result<LoadedPlan> load_plan(const PredictJob& job, Progress& progress) {
-  LEFORT_TRY(io::PlanText text,
-             read_plan_of_scan(job.plan, job.ct, StageCache(job.output / "cache"), progress));
+StageCache cache_of(const PredictJob& job) {
+  return job.shared_cache ? StageCache(*job.shared_cache) : StageCache(job.output / "cache");
+}
+
+Result<LoadedPlan> load_plan(const PredictJob& job, const StageCache& cache, Progress& progress) {
+  LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
   io::note_warnings(text.plan.warnings, progress);
   LEFORT_TRY(fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
   return LoadedPlan{std::move(text), std::move(ct)};
@@ -152,7 +157,7 @@ struct SolvedPath {
 /// Follows the paths, from where an earlier run of the same case was stopped.
 Result<SolvedPath> solve_path(const PredictJob& job, const PreparedCase& prepared,
                               const StageCache& cache, Progress& progress) {
-  const fs::path restart = cache.file("steps.restart", restart_key(prepared));
+  const fs::path restart = cache.private_file("steps.restart", restart_key(prepared));
   const int steps = prepared.steps();
   std::optional<predict::Restart> earlier = find_earlier(restart, steps, progress);
   progress.begin_stage("solve");
@@ -180,12 +185,24 @@ Result<SolvedPath> solve_path(const PredictJob& job, const PreparedCase& prepare
   return SolvedPath{std::move(prediction), clock.seconds()};
 }
 
+/// Writes timing.json if the times are separate.
+///
+/// \returns the times for the other documents; nothing if they are separate.
+Result<std::optional<Timing>> place_timing(const PredictJob& job, Timing timing) {
+  if (!job.separate_timing) return timing;
+  nlohmann::ordered_json json{
+      {"lefort_timing", 1}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
+  json.update(timing_json(timing));
+  LEFORT_TRY_VOID(io::write_text(job.output / "timing.json", json.dump(1) + "\n"));
+  return std::nullopt;
+}
+
 /// Writes the solver's history, and no face.
 Result<Summary> write_unconverged(const PredictJob& job, const PreparedCase& prepared,
                                   const SolvedPath& solved, const std::string& plan_text,
                                   const std::vector<std::pair<std::string, double>>& stages) {
   const predict::FacePrediction& prediction = solved.prediction;
-  const Timing timing{stages, solved.step_seconds};
+  LEFORT_TRY(const auto timing, place_timing(job, {stages, solved.step_seconds}));
   LEFORT_TRY_VOID(write_failure(job.output, prediction_report(prepared, prediction, {}, {}, timing),
                                 plan_text, prediction_json(prepared, prediction, {}, timing)));
   return fail(prediction.failure->code,
@@ -274,7 +291,8 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   }
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
-  const Timing timing{progress.stages(), solved.step_seconds};
+  if (job.paraview) LEFORT_TRY_VOID(write_paraview(job.output, prepared, prediction));
+  LEFORT_TRY(const auto timing, place_timing(job, {progress.stages(), solved.step_seconds}));
   auto json = prediction_json(prepared, prediction, skin, timing);
   json["interface_sensitivity"] =
       sensitivity ? as_json(*sensitivity) : nlohmann::ordered_json(nullptr);
@@ -298,14 +316,14 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
 
 Result<Summary> predict_case(const PredictJob& job, Progress& inner) {
   StageTimer progress(inner);
-  LEFORT_TRY(const LoadedPlan loaded, load_plan(job, progress));
+  const StageCache cache = cache_of(job);
+  LEFORT_TRY(const LoadedPlan loaded, load_plan(job, cache, progress));
   const io::EmptyFolderCleanup cleanup(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_results(job.output));
   const std::string plan_text =
       io::portable_plan(loaded.text.json, job.plan, loaded.ct, job.output);
 
-  const StageCache cache(job.output / "cache");
   LEFORT_TRY(const PreparedCase prepared, prepare_prediction(job, loaded, cache, progress));
   LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
 

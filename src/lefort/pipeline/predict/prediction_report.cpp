@@ -278,13 +278,13 @@ std::vector<report::KeyNumber> key_numbers(const PreparedCase& prepared,
 
 std::vector<report::ReportTable> all_tables(const PreparedCase& prepared,
                                             const predict::FacePrediction& prediction,
-                                            const Timing& timing) {
+                                            const std::optional<Timing>& timing) {
   std::vector<report::ReportTable> tables;
   if (prepared.plan.segments.size() > 1 && !prediction.steps.empty())
     tables.push_back(segment_table(prepared, prediction.steps.back()));
   tables.push_back(step_table(prediction));
   tables.push_back(parameter_table(prepared, prediction));
-  tables.push_back(timing_table(timing));
+  if (timing) tables.push_back(timing_table(*timing));
   return tables;
 }
 
@@ -346,7 +346,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
                                      const predict::FacePrediction& prediction,
                                      std::span<const PredictionPicture> pictures,
                                      const predict::SkinDisplacementStatistics& skin,
-                                     const Timing& timing) {
+                                     const std::optional<Timing>& timing) {
   report::CaseReport report;
   report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
   report.subtitle = "Simulated soft-tissue response to a planned bone movement";

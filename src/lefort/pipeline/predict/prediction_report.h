@@ -8,6 +8,7 @@
 #include <lefort/predict/face_prediction.h>
 #include <lefort/report/case_report.h>
 
+#include <optional>
 #include <span>
 
 namespace lefort::pipeline {
@@ -16,10 +17,11 @@ namespace lefort::pipeline {
 ///
 /// \param pictures  may be empty.
 /// \param skin      of the last step.
+/// \param timing    none: the report has no table of times.
 [[nodiscard]] report::CaseReport prediction_report(const PreparedCase& prepared,
                                                    const predict::FacePrediction& prediction,
                                                    std::span<const PredictionPicture> pictures,
                                                    const predict::SkinDisplacementStatistics& skin,
-                                                   const Timing& timing);
+                                                   const std::optional<Timing>& timing);
 
 }  // namespace lefort::pipeline

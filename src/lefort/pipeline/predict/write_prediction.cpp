@@ -45,26 +45,6 @@ std::vector<fs::path> earlier_files(const fs::path& folder, std::string_view beg
   return files;
 }
 
-Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared,
-                            const predict::FacePrediction& prediction) {
-  LEFORT_TRY_VOID(io::make_output_folder(folder));
-  const mesh::VolumeMesh& tissue = prepared.model.tissue;
-  std::vector<io::PvdEntry> series;
-  const auto write = [&](double path_fraction,
-                         const std::vector<Vec3>& displacement_mm) -> Result<void> {
-    const std::string file = fmt::format("step_{:04d}.vtu", series.size());
-    io::VtuFields fields;
-    fields.nodes.push_back(io::vtu_array("displacement_mm", displacement_mm));
-    LEFORT_TRY_VOID(io::write_vtu(folder / file, tissue, fields));
-    series.push_back({path_fraction, file});
-    return {};
-  };
-  LEFORT_TRY_VOID(write(0.0, std::vector<Vec3>(tissue.nodes_L.size(), Vec3::Zero())));
-  for (const predict::PredictionStep& step : prediction.steps)
-    LEFORT_TRY_VOID(write(step.path_fraction, step.displacement_mm));
-  return io::write_pvd(folder / "prediction.pvd", series);
-}
-
 /// Bone at its pose, with the contact fields of the tissue.
 Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepared,
                                  const predict::FacePrediction& prediction, std::size_t segment) {
@@ -93,9 +73,9 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
 
 Result<void> remove_results(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const char* name :
-       {"prediction.json", "failure.json", "report.html", "plan.json", "predicted_skin.vtp",
-        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp", kInterfaceFile})
+  for (const char* name : {"prediction.json", "failure.json", "report.html", "plan.json",
+                           "predicted_skin.vtp", "predicted_skin.stl", "skin_before.vtp",
+                           "bone_remainder.vtp", "timing.json", kInterfaceFile})
     files.push_back(folder / name);
   for (const char* bone : {kMovedSegment, kBoneOverlap})
     for (const fs::path& file : earlier_files(folder, bone, ".vtp")) files.push_back(file);
@@ -152,7 +132,28 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
   for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k)
     LEFORT_TRY_VOID(write_moved_segment(folder / segment_file(kMovedSegment, prepared.plan, k),
                                         prepared, prediction, k));
-  return write_paraview(folder / kParaview, prepared, prediction);
+  return {};
+}
+
+Result<void> write_paraview(const fs::path& output, const PreparedCase& prepared,
+                            const predict::FacePrediction& prediction) {
+  const fs::path folder = output / kParaview;
+  LEFORT_TRY_VOID(io::make_output_folder(folder));
+  const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  std::vector<io::PvdEntry> series;
+  const auto write = [&](double path_fraction,
+                         const std::vector<Vec3>& displacement_mm) -> Result<void> {
+    const std::string file = fmt::format("step_{:04d}.vtu", series.size());
+    io::VtuFields fields;
+    fields.nodes.push_back(io::vtu_array("displacement_mm", displacement_mm));
+    LEFORT_TRY_VOID(io::write_vtu(folder / file, tissue, fields));
+    series.push_back({path_fraction, file});
+    return {};
+  };
+  LEFORT_TRY_VOID(write(0.0, std::vector<Vec3>(tissue.nodes_L.size(), Vec3::Zero())));
+  for (const predict::PredictionStep& step : prediction.steps)
+    LEFORT_TRY_VOID(write(step.path_fraction, step.displacement_mm));
+  return io::write_pvd(folder / "prediction.pvd", series);
 }
 
 Result<void> write_documents(const fs::path& folder, const report::CaseReport& report,

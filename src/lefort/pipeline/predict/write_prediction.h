@@ -42,15 +42,21 @@ inline constexpr const char* kBoneOverlap = "bone_overlap";
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
-/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, interface.vtp,
-/// bone_segment_moved.vtp for each segment, and paraview/prediction.pvd with a VTU of the initial
-/// state and of each step.
+/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, interface.vtp, and
+/// bone_segment_moved.vtp for each segment.
 ///
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
+
+/// paraview/prediction.pvd with a VTU of the initial state and of each step.
+///
+/// \returns nothing, or kFileUnwritable.
+[[nodiscard]] Result<void> write_paraview(const std::filesystem::path& output,
+                                          const PreparedCase& prepared,
+                                          const predict::FacePrediction& prediction);
 
 /// Writes the pictures and the plots of the mesh into pictures/ (neither if `pictures` is empty),
 /// then report.html and plan.json, and last prediction.json, whose presence shows that all files

@@ -123,7 +123,7 @@ Result<void> CalibrationCase::prepare(std::span<const double> values, Progress& 
     release();
     LEFORT_TRY(const fs::path ct, io::scan_of(setup_->plan, text.plan, std::nullopt));
     LEFORT_TRY(prepared_, prepare_case(std::move(text.plan), io::Sha256().add(text.json).hex(), ct,
-                                       StageCache(setup_->cache), progress));
+                                       setup_->cache, progress));
   }
   prepared_values_.assign(values.begin(), values.end());
   if (face_) return {};

@@ -3,6 +3,7 @@
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/read_text.h>
+#include <lefort/io/sha256.h>
 #include <lefort/pipeline/validate/case_plan.h>
 #include <lefort/plan/make_keyframes.h>
 
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <system_error>
 
 namespace lefort::pipeline {
 namespace {
@@ -47,17 +49,52 @@ void set_element_size(Json& plan, double size_mm) {
   tissue["far_element_size_mm"] = std::max(tissue.value("far_element_size_mm", 0.0), 2.0 * size_mm);
 }
 
+/// Endings that say more than the last one alone.
+std::string ending_of(const fs::path& file) {
+  const std::string last = file.extension().string();
+  const std::string before = file.stem().extension().string();
+  const bool is_double = before == ".seg" || before == ".mrk" || before == ".nii";
+  return is_double ? before + last : last;
+}
+
+/// Links each file that the plan names into the work folder, under its hash, and renames it in the
+/// plan. The scan is not named: the prediction gets its path.
+Result<void> link_inputs(Json& plan, const fs::path& work) {
+  plan.erase("ct");
+  Result<void> linked;
+  const auto link = [&](const std::string& name) -> std::string {
+    const fs::path file = work / name;
+    const Result<std::string> sha256 = io::sha256_of_file(file);
+    if (!sha256) {
+      linked = tl::unexpected(sha256.error());
+      return name;
+    }
+    const std::string new_name = sha256->substr(0, 16) + ending_of(file);
+    std::error_code error;
+    const fs::path target = fs::canonical(file, error);
+    fs::remove(work / new_name, error);
+    fs::create_symlink(target, work / new_name, error);
+    if (error)
+      linked = fail(ErrorCode::kFileUnwritable,
+                    fmt::format("an input cannot be linked: {}", error.message()));
+    return new_name;
+  };
+  plan = Json::parse(io::rename_files(plan.dump(), link));
+  return linked;
+}
+
 }  // namespace
 
 Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
-                            std::optional<double> element_size_mm) {
+                            std::optional<double> element_size_mm,
+                            const io::ParameterSet& parameters) {
   std::string text = kMandiblePlan;
   if (one.plan) {
     LEFORT_TRY(text, io::read_text(*one.plan, kMaxCasePlan));
   }
-  LEFORT_TRY(text, io::rename_plan_keys(text));
+  LEFORT_TRY(text, io::change_plan(text, parameters));
   CasePlan plan;
-  plan.json = Json::parse(text);  // rename_plan_keys() has parsed it.
+  plan.json = Json::parse(text);  // change_plan() has parsed it.
   plan.lacks_movement = fill_paths(plan.json);
   const fs::path place = one.plan.value_or(one.folder / "plan.json");
   if (const auto valid = io::parse_plan(plan.json.dump(), place.parent_path()); !valid)
@@ -66,6 +103,7 @@ Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
   if (files.labels)
     plan.json["segmentation"]["labels"] = files.labels->lexically_relative(files.work).string();
   if (element_size_mm) set_element_size(plan.json, *element_size_mm);
+  if (files.link_inputs) LEFORT_TRY_VOID(link_inputs(plan.json, files.work));
   return plan;
 }
 

@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/geometry/triangle_mesh.h>
+#include <lefort/io/parameter_sets.h>
 #include <lefort/pipeline/validate/find_cases.h>
 
 #include <nlohmann/json.hpp>
@@ -20,6 +21,9 @@ struct CaseFiles {
   std::filesystem::path scan;
   std::optional<std::filesystem::path> labels{};  ///< Instead of a segmentation.
   std::filesystem::path work;                     ///< Folder of the completed plan.
+  /// The plan does not name the scan, and names links in the work folder, which are named by the
+  /// contents of the files: its text does not depend on the place of the case.
+  bool link_inputs = false;
 };
 
 struct CasePlan {
@@ -35,9 +39,11 @@ struct CasePlan {
 /// \param files            named in the plan.
 /// \param element_size_mm  of the mesh near the segments, instead of the plan's. The element size
 ///   far from the segments is then at least twice as large.
-/// \returns the plan, kFileNotFound, kFileCorrupt, or kPlanInvalid.
+/// \param parameters       merged into the plan before.
+/// \returns the plan, kFileNotFound, kFileCorrupt, kFileUnwritable, or kPlanInvalid.
 [[nodiscard]] Result<CasePlan> draft_plan(const CohortCase& one, const CaseFiles& files,
-                                          std::optional<double> element_size_mm);
+                                          std::optional<double> element_size_mm,
+                                          const io::ParameterSet& parameters = io::default_set());
 
 /// Replaces the path of a segment by a straight one, with one step per millimeter of the largest
 /// displacement of a vertex (4 to 60 steps).

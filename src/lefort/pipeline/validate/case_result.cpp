@@ -122,14 +122,18 @@ Json as_json(const CaseResult& result) {
   return json;
 }
 
+std::optional<CaseResult> case_result_of(const Json& json) {
+  try {
+    if (json.at("lefort_validation_case") == kVersionOfFile) return result_of(json);
+  } catch (const nlohmann::json::exception&) {  // Not such a value.
+  }
+  return std::nullopt;
+}
+
 Result<CaseResult> read_case_result(const std::filesystem::path& file) {
   constexpr std::uintmax_t kMaxBytes = 16 << 20;
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
-  try {
-    const Json json = Json::parse(text);
-    if (json.at("lefort_validation_case") == kVersionOfFile) return result_of(json);
-  } catch (const nlohmann::json::exception&) {  // Not such a file.
-  }
+  if (auto result = case_result_of(Json::parse(text, nullptr, false))) return *std::move(result);
   return fail(ErrorCode::kFileCorrupt,
               fmt::format("{} is not the result of a case", file.filename().string()));
 }

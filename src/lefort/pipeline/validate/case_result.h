@@ -69,6 +69,9 @@ struct CaseResult {
 /// Values that are not finite become null.
 [[nodiscard]] nlohmann::ordered_json as_json(const CaseResult& result);
 
+/// \returns the result, or nothing if the value is not one of as_json().
+[[nodiscard]] std::optional<CaseResult> case_result_of(const nlohmann::ordered_json& json);
+
 /// \returns the result; kFileNotFound; or kFileCorrupt if the file is not one of as_json().
 [[nodiscard]] Result<CaseResult> read_case_result(const std::filesystem::path& file);
 

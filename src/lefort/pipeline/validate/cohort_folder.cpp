@@ -7,11 +7,9 @@
 #include <system_error>
 
 namespace lefort::pipeline {
-namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether `inner` is `outer` or lies inside it.
 bool is_inside(const fs::path& inner, const fs::path& outer) {
   std::error_code error;
   const fs::path inner_path = fs::weakly_canonical(inner, error);
@@ -19,8 +17,6 @@ bool is_inside(const fs::path& inner, const fs::path& outer) {
   const fs::path relative = inner_path.lexically_relative(outer_path);
   return !relative.empty() && *relative.begin() != "..";
 }
-
-}  // namespace
 
 Result<std::vector<fs::path>> open_cohort(const fs::path& cohort, const fs::path& output,
                                           std::span<const char* const> reports) {

@@ -10,6 +10,10 @@
 
 namespace lefort::pipeline {
 
+/// Whether `inner` is `outer` or lies inside it.
+[[nodiscard]] bool is_inside(const std::filesystem::path& inner,
+                             const std::filesystem::path& outer);
+
 /// Lists the cases, creates the output folder and removes the reports of an earlier run from it.
 ///
 /// \param cohort   folder of case folders.

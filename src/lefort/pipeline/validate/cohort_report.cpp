@@ -14,30 +14,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array kMethodNames{"prediction", "no change", "ratio rule"};
 
-Json value_json(const CohortValue& value) {
-  return {{"mean", finite_or_null(value.mean)},
-          {"low", finite_or_null(value.interval.low)},
-          {"high", finite_or_null(value.interval.high)}};
-}
-
-Json region_json(const CohortRegion& region) {
-  Json json{{"region", region.region}, {"cases", region.cases}};
-  for (std::size_t m = 0; m < kMethods.size(); ++m)
-    for (std::size_t s = 0; s < kStatistics.size(); ++s)
-      json["methods"][kMethods[m]][kStatistics[s]] = value_json(region.methods[m][s]);
-  for (std::size_t m = 1; m < kMethods.size(); ++m)
-    json["gain_mm"][kMethods[m]] = value_json(region.gain_mm[m]);
-  json["cases_within_1mm_fraction"] = region.cases_within_1mm_fraction;
-  json["cases_within_2mm_fraction"] = region.cases_within_2mm_fraction;
-  const compare::Agreement& agreement = region.agreement_y;
-  json["agreement_y"] = {{"pairs", agreement.pairs},
-                         {"bias_mm", finite_or_null(agreement.bias)},
-                         {"standard_deviation_mm", finite_or_null(agreement.standard_deviation)},
-                         {"lower_limit_mm", finite_or_null(agreement.limits.low)},
-                         {"upper_limit_mm", finite_or_null(agreement.limits.high)}};
-  return json;
-}
-
 std::size_t failures_of(const CohortResults& results) {
   return std::size_t(std::count_if(results.cases.begin(), results.cases.end(),
                                    [](const CaseResult& one) { return one.failure.has_value(); }));
@@ -174,6 +150,30 @@ std::vector<report::KeyNumber> key_numbers(const CohortResults& results) {
 }
 
 }  // namespace
+
+Json value_json(const CohortValue& value) {
+  return {{"mean", finite_or_null(value.mean)},
+          {"low", finite_or_null(value.interval.low)},
+          {"high", finite_or_null(value.interval.high)}};
+}
+
+Json region_json(const CohortRegion& region) {
+  Json json{{"region", region.region}, {"cases", region.cases}};
+  for (std::size_t m = 0; m < kMethods.size(); ++m)
+    for (std::size_t s = 0; s < kStatistics.size(); ++s)
+      json["methods"][kMethods[m]][kStatistics[s]] = value_json(region.methods[m][s]);
+  for (std::size_t m = 1; m < kMethods.size(); ++m)
+    json["gain_mm"][kMethods[m]] = value_json(region.gain_mm[m]);
+  json["cases_within_1mm_fraction"] = region.cases_within_1mm_fraction;
+  json["cases_within_2mm_fraction"] = region.cases_within_2mm_fraction;
+  const compare::Agreement& agreement = region.agreement_y;
+  json["agreement_y"] = {{"pairs", agreement.pairs},
+                         {"bias_mm", finite_or_null(agreement.bias)},
+                         {"standard_deviation_mm", finite_or_null(agreement.standard_deviation)},
+                         {"lower_limit_mm", finite_or_null(agreement.limits.low)},
+                         {"upper_limit_mm", finite_or_null(agreement.limits.high)}};
+  return json;
+}
 
 std::string in_words(const CohortValue& value, int digits) {
   if (!std::isfinite(value.mean)) return "-";

@@ -22,6 +22,11 @@ struct CohortResults {
   compare::BootstrapOptions bootstrap;
 };
 
+/// Mean and interval; null if not finite.
+[[nodiscard]] nlohmann::ordered_json value_json(const CohortValue& value);
+
+[[nodiscard]] nlohmann::ordered_json region_json(const CohortRegion& region);
+
 [[nodiscard]] nlohmann::ordered_json cohort_json(const CohortResults& results,
                                                  const ValidateJob& job);
 

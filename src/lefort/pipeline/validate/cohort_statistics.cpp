@@ -21,15 +21,6 @@ double mean_of(std::span<const double> values, std::span<const Index> chosen) {
   return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / double(count);
 }
 
-CohortValue value_of(std::span<const double> values, const compare::BootstrapOptions& bootstrap) {
-  std::vector<Index> all;
-  for (std::size_t k = 0; k < values.size(); ++k) all.push_back(Index(k));
-  return {mean_of(values, all),
-          compare::bootstrap_interval(
-              Index(values.size()),
-              [&](std::span<const Index> chosen) { return mean_of(values, chosen); }, bootstrap)};
-}
-
 std::vector<const RegionResult*> find_region(std::span<const CaseResult> results,
                                              const std::string& name) {
   std::vector<const RegionResult*> found;
@@ -60,12 +51,12 @@ CohortRegion region_statistics(const std::string& name,
   };
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     for (std::size_t s = 0; s < kStatistics.size(); ++s)
-      region.methods[m][s] =
-          value_of(values([&](const RegionResult& row) { return row.methods[m][s]; }), bootstrap);
-    region.gain_mm[m] = value_of(values([&](const RegionResult& row) {
-                                   return row.methods[m][kMean] - row.methods[0][kMean];
-                                 }),
-                                 bootstrap);
+      region.methods[m][s] = cohort_value(
+          values([&](const RegionResult& row) { return row.methods[m][s]; }), bootstrap);
+    region.gain_mm[m] = cohort_value(values([&](const RegionResult& row) {
+                                       return row.methods[m][kMean] - row.methods[0][kMean];
+                                     }),
+                                     bootstrap);
   }
   region.cases_within_1mm_fraction = fraction_within(rows, cases, 1.0);
   region.cases_within_2mm_fraction = fraction_within(rows, cases, 2.0);
@@ -76,6 +67,16 @@ CohortRegion region_statistics(const std::string& name,
 }
 
 }  // namespace
+
+CohortValue cohort_value(std::span<const double> values,
+                         const compare::BootstrapOptions& bootstrap) {
+  std::vector<Index> all;
+  for (std::size_t k = 0; k < values.size(); ++k) all.push_back(Index(k));
+  return {mean_of(values, all),
+          compare::bootstrap_interval(
+              Index(values.size()),
+              [&](std::span<const Index> chosen) { return mean_of(values, chosen); }, bootstrap)};
+}
 
 std::vector<CohortRegion> cohort_statistics(std::span<const CaseResult> results,
                                             const compare::BootstrapOptions& bootstrap) {

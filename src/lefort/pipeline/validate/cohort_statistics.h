@@ -33,6 +33,11 @@ struct CohortRegion {
   compare::Agreement agreement_y{};
 };
 
+/// \param values  of the cases; NaN are ignored.
+/// \returns their mean, with its interval.
+[[nodiscard]] CohortValue cohort_value(std::span<const double> values,
+                                       const compare::BootstrapOptions& bootstrap = {});
+
 /// \param results    of all cases.
 /// \param bootstrap  of the intervals.
 /// \returns the regions that occur, in the order of compare::reported_regions().

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <system_error>
 
 namespace lefort::pipeline {
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using OptionalPath = std::optional<fs::path>;
 
+constexpr const char* kParticipant = "sub-";  // How BIDS begins the name of a case's folder.
 constexpr std::array kSurfaceEndings{".vtp", ".stl", ".ply", ".obj"};
 constexpr std::array kLandmarkEndings{".mrk.json", ".csv"};
 constexpr std::uintmax_t kMaxPlanBytes = 4 << 20;  // Bytes, as io/plan_file.
@@ -55,11 +57,12 @@ Result<OptionalPath> find_one(const std::vector<fs::path>& entries, const std::s
   return found;
 }
 
-Result<SurfaceFiles> find_surfaces(const std::vector<fs::path>& entries, const std::string& when) {
+Result<SurfaceFiles> find_surfaces(const std::vector<fs::path>& entries,
+                                   const std::string& prefix) {
   SurfaceFiles files;
-  LEFORT_TRY(files.skin, find_one(entries, when + "_skin", is_surface));
-  LEFORT_TRY(files.skull, find_one(entries, when + "_skull", is_surface));
-  LEFORT_TRY(files.mandible, find_one(entries, when + "_mandible", is_surface));
+  LEFORT_TRY(files.skin, find_one(entries, prefix + "_skin", is_surface));
+  LEFORT_TRY(files.skull, find_one(entries, prefix + "_skull", is_surface));
+  LEFORT_TRY(files.mandible, find_one(entries, prefix + "_mandible", is_surface));
   return files;
 }
 
@@ -76,18 +79,57 @@ Result<std::vector<fs::path>> entries_of(const fs::path& folder) {
   return entries;
 }
 
-Result<void> check_files(const CohortCase& one) {
+OptionalPath first_file(std::initializer_list<fs::path> files) {
+  std::error_code error;
+  for (const fs::path& file : files)
+    if (fs::is_regular_file(file, error)) return file;
+  return std::nullopt;
+}
+
+/// before.nrrd, after_skin.ply, plan.json, ...
+Result<CohortCase> find_named_by_role(CohortCase one) {
+  LEFORT_TRY(const std::vector<fs::path> entries, entries_of(one.folder));
+  LEFORT_TRY(one.before_scan, find_one(entries, "before", is_scan));
+  LEFORT_TRY(one.after_scan, find_one(entries, "after", is_scan));
+  LEFORT_TRY(one.before, find_surfaces(entries, "before"));
+  LEFORT_TRY(one.after, find_surfaces(entries, "after"));
+  LEFORT_TRY(one.landmarks, find_one(entries, "landmarks", is_landmarks));
+  one.plan = first_file({one.folder / "plan.json", one.folder.parent_path() / "plan.json"});
+  return one;
+}
+
+/// ct/sub-LABEL_ct.nii.gz, or ses-before/ct/sub-LABEL_ses-before_ct.nii.gz and the same of
+/// ses-after; plan and landmarks are beside the scan before surgery.
+Result<CohortCase> find_named_by_bids(CohortCase one) {
+  std::error_code error;
+  const bool has_sessions = fs::is_directory(one.folder / "ses-before", error);
+  const fs::path before = has_sessions ? one.folder / "ses-before" / "ct" : one.folder / "ct";
+  const fs::path after = one.folder / "ses-after" / "ct";
+  const std::string name = has_sessions ? one.name + "_ses-before" : one.name;
+  LEFORT_TRY(const std::vector<fs::path> entries, entries_of(before));
+  LEFORT_TRY(one.before_scan, find_one(entries, name + "_ct", is_scan));
+  LEFORT_TRY(one.before, find_surfaces(entries, name));
+  LEFORT_TRY(one.landmarks, find_one(entries, name + "_landmarks", is_landmarks));
+  one.plan = first_file({before / (name + "_plan.json"), one.folder.parent_path() / "plan.json"});
+  if (!fs::is_directory(after, error)) return one;
+  LEFORT_TRY(const std::vector<fs::path> entries_after, entries_of(after));
+  LEFORT_TRY(one.after_scan, find_one(entries_after, one.name + "_ses-after_ct", is_scan));
+  LEFORT_TRY(one.after, find_surfaces(entries_after, one.name + "_ses-after"));
+  return one;
+}
+
+Result<void> check_files(const CohortCase& one, AfterSurgery after) {
   const auto bad = [](const std::string& what) { return fail(ErrorCode::kInvalidArgument, what); };
   const bool has_surface = one.before.skin || one.before.skull || one.before.mandible;
   if (one.before_scan && has_surface)
     return bad("the case has a scan and surfaces before surgery, must have one of them");
   if (!one.before_scan && !(one.before.skin && one.before.skull))
     return bad(
-        "the case has no head before surgery, must have before.nrrd (or another scan), or "
-        "before_skin and before_skull (.vtp, .stl, .ply, .obj)");
+        "the case has no head before surgery, must have before.nrrd (or another scan; in BIDS "
+        "ct/sub-LABEL_ct.nii.gz), or before_skin and before_skull (.vtp, .stl, .ply, .obj)");
   if (one.after_scan && one.after.skin)
     return bad("the case has a scan and a skin after surgery, must have one of them");
-  if (!one.after_scan && !one.after.skin)
+  if (after == AfterSurgery::kRequired && !one.has_after())
     return bad(
         "the case has no face after surgery, must have after.nrrd (or another scan), or after_skin "
         "(.vtp, .stl, .ply, .obj)");
@@ -148,16 +190,28 @@ std::vector<std::pair<std::string, fs::path>> CohortCase::inputs() const {
   return found;
 }
 
+bool is_bids_dataset(const fs::path& cohort) {
+  const auto entries = entries_of(cohort);
+  std::error_code error;
+  return entries && std::any_of(entries->begin(), entries->end(), [&](const fs::path& entry) {
+           return entry.filename().string().starts_with(kParticipant) &&
+                  fs::is_directory(entry, error);
+         });
+}
+
 Result<std::vector<fs::path>> list_cases(const fs::path& cohort) {
   std::error_code error;
   if (!fs::is_directory(cohort, error))
     return fail(ErrorCode::kFileNotFound,
                 fmt::format("{} does not exist or is not the folder of a cohort", cohort.string()));
   LEFORT_TRY(const std::vector<fs::path> entries, entries_of(cohort));
+  const std::string prefix = is_bids_dataset(cohort) ? kParticipant : "";
   std::vector<fs::path> folders;
-  for (const fs::path& entry : entries)
-    if (fs::is_directory(entry, error) && !entry.filename().string().starts_with('.'))
+  for (const fs::path& entry : entries) {
+    const std::string name = entry.filename().string();
+    if (fs::is_directory(entry, error) && !name.starts_with('.') && name.starts_with(prefix))
       folders.push_back(entry);
+  }
   if (folders.empty())
     return fail(
         ErrorCode::kInvalidArgument,
@@ -165,20 +219,16 @@ Result<std::vector<fs::path>> list_cases(const fs::path& cohort) {
   return folders;
 }
 
-Result<CohortCase> find_case(const fs::path& folder) {
-  LEFORT_TRY(const std::vector<fs::path> entries, entries_of(folder));
+Result<CohortCase> find_case(const fs::path& folder, AfterSurgery after) {
   CohortCase one;
   one.name = folder.filename().string();
   one.folder = folder;
-  LEFORT_TRY(one.before_scan, find_one(entries, "before", is_scan));
-  LEFORT_TRY(one.after_scan, find_one(entries, "after", is_scan));
-  LEFORT_TRY(one.before, find_surfaces(entries, "before"));
-  LEFORT_TRY(one.after, find_surfaces(entries, "after"));
-  LEFORT_TRY(one.landmarks, find_one(entries, "landmarks", is_landmarks));
   std::error_code error;
-  for (const fs::path& plan : {folder / "plan.json", folder.parent_path() / "plan.json"})
-    if (!one.plan && fs::is_regular_file(plan, error)) one.plan = plan;
-  LEFORT_TRY_VOID(check_files(one));
+  const bool is_bids =
+      one.name.starts_with(kParticipant) &&
+      (fs::is_directory(folder / "ct", error) || fs::is_directory(folder / "ses-before", error));
+  LEFORT_TRY(one, is_bids ? find_named_by_bids(one) : find_named_by_role(one));
+  LEFORT_TRY_VOID(check_files(one, after));
   return one;
 }
 

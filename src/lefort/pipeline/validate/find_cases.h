@@ -28,11 +28,16 @@ struct CohortCase {
   std::optional<std::filesystem::path> plan{};  ///< Of the case, or of the cohort.
   std::optional<std::filesystem::path> landmarks{};
 
+  [[nodiscard]] bool has_after() const { return after_scan || after.skin; }
   /// Role and path of each file or folder that exists.
   [[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> inputs() const;
 };
 
-/// Lists the case folders of a cohort by name; folders whose names start with a dot are ignored.
+/// Whether a folder is a BIDS dataset: it contains a folder sub-LABEL.
+[[nodiscard]] bool is_bids_dataset(const std::filesystem::path& cohort);
+
+/// Lists the case folders of a cohort by name; folders whose names start with a dot are ignored. In
+/// a BIDS dataset \cite gorgolewski2016 only the folders sub-LABEL are cases.
 ///
 /// \param cohort  the folder.
 /// \returns the folders; kFileNotFound if the cohort is not a folder; kInvalidArgument if it
@@ -40,12 +45,18 @@ struct CohortCase {
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_cases(
     const std::filesystem::path& cohort);
 
-/// Finds the files of a case by their names.
+/// Whether a case without a face after surgery is an error.
+enum class AfterSurgery { kRequired, kOptional };
+
+/// Finds the files of a case by their names: before.nrrd, ... or, in a folder sub-LABEL,
+/// ct/sub-LABEL_ct.nii.gz, ... (docs/guide/validate.md, docs/guide/cohorts.md).
 ///
 /// \param folder  of the case, as listed by list_cases().
+/// \param after   whether the face after surgery may be missing.
 /// \returns the case; kInvalidArgument if the head before or after surgery is missing or ambiguous;
 ///   or kFileNotFound if the folder cannot be listed.
-[[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder);
+[[nodiscard]] Result<CohortCase> find_case(const std::filesystem::path& folder,
+                                           AfterSurgery after = AfterSurgery::kRequired);
 
 /// Hash of the contents of all inputs of a case, and of the files that its plan names. The names of
 /// the inputs and the place of the cohort do not matter; the order of names in a folder of DICOM

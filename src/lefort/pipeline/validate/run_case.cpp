@@ -68,27 +68,28 @@ TriangleMesh rule_of_thumb(const CaseSetup& setup, const TriangleMesh& skin_L,
   return compare::apply_ratio_rule(skin_L, region_of, bones);
 }
 
-/// Pictures of the difference on the predicted face, in the report's folder.
-Result<std::vector<std::string>> write_pictures(const CaseJob& job, const std::string& name,
+/// Pictures of the difference on the predicted face.
+Result<std::vector<std::string>> write_pictures(const CaseComputation& job,
                                                 const TriangleMesh& predicted_L,
                                                 const compare::SurfaceDifference& difference,
                                                 double p95_mm, Progress& progress) {
   std::vector<std::string> names;
-  if (!job.pictures) return names;
+  if (!job.has_pictures) return names;
   progress.begin_stage("draw");
   LEFORT_TRY(const auto pictures,
              report::draw_difference(predicted_L, difference.signed_mm, p95_mm, progress));
-  LEFORT_TRY_VOID(io::make_output_folder(job.output / "pictures"));
+  LEFORT_TRY_VOID(io::make_output_folder(job.pictures));
   for (const report::ComparePicture& picture : pictures) {
-    names.push_back(fmt::format("{}_{}", name, picture.file));
-    LEFORT_TRY_VOID(io::write_text(job.output / "pictures" / names.back(), picture.png));
+    names.push_back(job.picture_prefix + picture.file);
+    LEFORT_TRY_VOID(io::write_text(job.pictures / names.back(), picture.png));
   }
   return names;
 }
 
 /// Fills in regions and pictures.
-Result<void> compare_case(const CaseJob& job, const CaseSetup& setup, const fs::path& prediction,
-                          CaseResult& result, Progress& progress) {
+Result<void> compare_case(const CaseComputation& job, const CaseSetup& setup, CaseResult& result,
+                          Progress& progress) {
+  const fs::path& prediction = job.predict.output;
   progress.begin_stage("compare with the achieved face");
   LEFORT_TRY(const TriangleMesh before_L, io::read_surface(prediction / "skin_before.vtp"));
   LEFORT_TRY(const TriangleMesh predicted_L, io::read_surface(prediction / "predicted_skin.vtp"));
@@ -113,29 +114,28 @@ Result<void> compare_case(const CaseJob& job, const CaseSetup& setup, const fs::
     region.achieved_y_mm = -unchanged[r].mean_offset_mm.y();
     region.predicted_y_mm = -motion[r].mean_offset_mm.y();
   }
-  LEFORT_TRY(result.pictures, write_pictures(job, result.name, predicted_L, difference,
+  LEFORT_TRY(result.pictures, write_pictures(job, predicted_L, difference,
                                              predicted.front().statistics.p95_mm, progress));
   return {};
 }
 
-Result<CaseResult> compute_case(const CaseJob& job, const CohortCase& one, const fs::path& work,
-                                CaseResult result, Progress& progress) {
-  LEFORT_TRY(const CaseSetup setup, set_up_case(one, work, job.setup, progress));
+}  // namespace
+
+Result<ComputedCase> predict_and_compare(const CohortCase& one, const CaseComputation& computation,
+                                         CaseResult result, Progress& progress) {
+  LEFORT_TRY(const CaseSetup setup,
+             set_up_case(one, computation.work, computation.setup, progress));
   result.movement = setup.has_achieved_movements ? "achieved" : "plan";
   result.registered_on = setup.registration ? "bone" : "none";
   result.segments = movements_of(setup);
-  const fs::path prediction = work / "prediction";
-  const PredictJob predict{.plan = setup.plan,
-                           .ct = std::nullopt,
-                           .output = prediction,
-                           .pictures = false,
-                           .sensitivity = false};
-  LEFORT_TRY(const Summary predicted, predict_case(predict, progress));
-  LEFORT_TRY_VOID(compare_case(job, setup, prediction, result, progress));
-  return result;
+  PredictJob predict = computation.predict;
+  predict.plan = setup.plan;
+  predict.ct = setup.ct;
+  LEFORT_TRY(Summary predicted, predict_case(predict, progress));
+  result.regions_from = "none";
+  if (one.has_after()) LEFORT_TRY_VOID(compare_case(computation, setup, result, progress));
+  return ComputedCase{std::move(result), std::move(predicted.json)};
 }
-
-}  // namespace
 
 bool is_of_case(const Error& error) {
   return error.code != ErrorCode::kCancelled && error.code != ErrorCode::kFileUnwritable &&
@@ -162,9 +162,19 @@ Result<CaseResult> run_case(const CaseJob& job, Progress& progress) {
     progress.note("compared by an earlier run");
     return stored;
   }
-  Result<CaseResult> computed = compute_case(job, *one, work, result, progress);
-  if (!computed && !is_of_case(computed.error())) return computed;
-  result = computed ? *std::move(computed) : failed(computed.error());
+  const CaseComputation computation{.setup = job.setup,
+                                    .work = work,
+                                    .pictures = job.output / "pictures",
+                                    .picture_prefix = result.name + "_",
+                                    .has_pictures = job.pictures,
+                                    .predict = {.plan = {},
+                                                .ct = std::nullopt,
+                                                .output = work / "prediction",
+                                                .pictures = false,
+                                                .sensitivity = false}};
+  Result<ComputedCase> computed = predict_and_compare(*one, computation, result, progress);
+  if (!computed && !is_of_case(computed.error())) return tl::unexpected(computed.error());
+  result = computed ? std::move(computed->result) : failed(computed.error());
   LEFORT_TRY_VOID(io::make_output_folder(work));
   LEFORT_TRY_VOID(io::write_text(file, as_json(result).dump(1) + "\n"));
   return result;

@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/pipeline/predict.h>
 #include <lefort/pipeline/validate/case_result.h>
 #include <lefort/pipeline/validate/set_up_case.h>
 
@@ -19,6 +20,30 @@ struct CaseJob {
   SetupOptions setup;
   bool pictures = true;
 };
+
+/// How a case is predicted and compared, and where the files go.
+struct CaseComputation {
+  SetupOptions setup;
+  std::filesystem::path work;      ///< Of the plan and of converted inputs.
+  std::filesystem::path pictures;  ///< Folder of the pictures of the difference.
+  std::string picture_prefix;      ///< Of the names of these pictures.
+  bool has_pictures = true;        ///< Whether the difference is drawn.
+  PredictJob predict;              ///< Output and options; plan and scan are those of the case.
+};
+
+struct ComputedCase {
+  CaseResult result;
+  nlohmann::json prediction;  ///< Summary of the prediction.
+};
+
+/// Predicts a case, and compares it with the face after surgery if the case has one.
+///
+/// \param result  with the name and the key of the case.
+/// \returns the result, without regions if there is no face after surgery; or the errors of
+///   set_up_case() and predict_case(); or kInvalidArgument if the faces have no common point.
+[[nodiscard]] Result<ComputedCase> predict_and_compare(const CohortCase& one,
+                                                       const CaseComputation& computation,
+                                                       CaseResult result, Progress& progress);
 
 /// Returns the stored result if inputs and options are unchanged. Otherwise predicts and compares,
 /// and stores the result in `output`/cases/NAME/result.json. A case that fails has a result with

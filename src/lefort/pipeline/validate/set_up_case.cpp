@@ -72,13 +72,14 @@ struct HeadAfter {
   TriangleMesh skin, bone;
 };
 
-Result<HeadAfter> read_after(const CohortCase& one, const io::PlanFile& plan, const fs::path& cache,
-                             Progress& progress) {
+Result<HeadAfter> read_after(const CohortCase& one, const io::PlanFile& plan,
+                             const StageCache& cache, Progress& progress) {
   HeadAfter after;
+  if (!one.has_after()) return after;
   if (one.after_scan) {
     io::PlanFile options;
     options.segmentation = plan.segmentation;
-    LEFORT_TRY(ScannedHead head, scan_head(options, *one.after_scan, StageCache(cache), progress));
+    LEFORT_TRY(ScannedHead head, scan_head(options, *one.after_scan, cache, progress));
     LEFORT_TRY(after.skin,
                anatomy::extract_isosurface(
                    anatomy::skin_level(head.scan.ct, head.labels, head.levels), {}, progress));
@@ -149,17 +150,18 @@ Result<CaseSetup> set_up_case(const CohortCase& one, const fs::path& work,
   if (!one.before_scan) LEFORT_TRY_VOID(write_head(one.before, work, options.voxel_mm, progress));
   const CaseFiles files{one.before_scan.value_or(work / kScan),
                         one.before_scan ? std::nullopt : std::optional<fs::path>(work / kLabels),
-                        work};
-  LEFORT_TRY(CasePlan draft, draft_plan(one, files, options.element_size_mm));
+                        work, options.link_inputs};
+  LEFORT_TRY(CasePlan draft, draft_plan(one, files, options.element_size_mm, options.parameters));
   LEFORT_TRY(const io::PlanFile plan, io::parse_plan(draft.json.dump(), work));
 
   CaseSetup setup;
   setup.plan = work / "plan.json";
-  setup.cache = work / "prediction" / "cache";
+  if (options.link_inputs) setup.ct = files.scan;
+  setup.cache = options.shared_cache ? StageCache(*options.shared_cache)
+                                     : StageCache(work / "prediction" / "cache");
   LEFORT_TRY(setup.landmarks, landmarks_of(one, plan));
-  LEFORT_TRY(const ScannedHead head,
-             scan_head(plan, files.scan, StageCache(setup.cache), progress));
-  LEFORT_TRY_VOID(find_missing_landmarks(head, setup, progress));
+  LEFORT_TRY(const ScannedHead head, scan_head(plan, files.scan, setup.cache, progress));
+  if (one.has_after()) LEFORT_TRY_VOID(find_missing_landmarks(head, setup, progress));
   progress.begin_stage("cut the bone");
   LEFORT_TRY(setup.cut, plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
   const compare::PlannedBones bones = planned_bones(plan, setup.cut);

@@ -7,6 +7,8 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>
+#include <lefort/io/parameter_sets.h>
+#include <lefort/pipeline/cache/stage_cache.h>
 #include <lefort/pipeline/validate/find_cases.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/plan/landmarks.h>
@@ -19,20 +21,24 @@
 namespace lefort::pipeline {
 
 struct SetupOptions {
-  bool achieved_movements = false;          ///< ValidateJob::achieved_movements.
-  std::optional<double> element_size_mm{};  ///< Instead of the plan's.
-  double voxel_mm = 1.0;                    ///< ValidateJob::voxel_mm.
+  bool achieved_movements = false;                  ///< ValidateJob::achieved_movements.
+  std::optional<double> element_size_mm{};          ///< Instead of the plan's.
+  double voxel_mm = 1.0;                            ///< ValidateJob::voxel_mm.
+  io::ParameterSet parameters = io::default_set();  ///< Merged into the plan.
+  std::optional<SharedCache> shared_cache{};        ///< Instead of a cache in the work folder.
+  bool link_inputs = false;                         ///< CaseFiles::link_inputs.
 };
 
 struct CaseSetup {
-  std::filesystem::path plan;            ///< Of the prediction, with scan and movements.
-  std::filesystem::path cache;           ///< Of the prediction.
-  plan::CutSegments cut;                 ///< The bones before surgery.
-  std::vector<std::string> segments;     ///< Names.
-  std::vector<RigidTransform> moved_LB;  ///< Pose of each segment at the end of its path.
+  std::filesystem::path plan;                 ///< Of the prediction, with movements.
+  std::optional<std::filesystem::path> ct{};  ///< The scan, if the plan does not name it.
+  StageCache cache{std::filesystem::path()};  ///< Of the prediction.
+  plan::CutSegments cut;                      ///< The bones before surgery.
+  std::vector<std::string> segments;          ///< Names.
+  std::vector<RigidTransform> moved_LB;       ///< Pose of each segment at the end of its path.
   /// Whether the movement of a segment or more was found in the bone after surgery.
   bool has_achieved_movements = false;
-  geometry::TriangleMesh skin_after_L;
+  geometry::TriangleMesh skin_after_L;  ///< Empty if the case has no face after surgery.
   /// Registration of the bone after surgery; none if only the skin is known, which is in frame L.
   std::optional<compare::Registration> registration{};
   /// Before surgery: of the case, and found in its scan if those do not define all regions.

@@ -18,7 +18,9 @@ import type { App } from '../app';
 import { numberField } from '../number_field';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 import { button, chip, empty, notice, section, segmented, select, toggle, type Html } from '../widgets';
+import type { Viewer } from '../viewer';
 import { overlapNotice, previewState } from './preview_state';
+import { profileTargetSection } from './profile_section';
 
 /** A move in words: "12.0 mm anterior, 5.0 mm inferior". */
 export function inWords(move: Move): string {
@@ -39,7 +41,7 @@ const TITLES: Record<ComponentKey, string> = {
   yaw: 'Yaw',
 };
 
-export function movementPanel(app: App, s: State): Html {
+export function movementPanel(app: App, s: State, view: Viewer): Html {
   const { plan } = app.model.doc;
   const segment = plan.segments[s.segment];
   if (!segment)
@@ -62,7 +64,8 @@ export function movementPanel(app: App, s: State): Html {
           'This path has no numbers to edit',
           'It is given by targets, a file or days of distraction. It can be shown and predicted, but not edited here.',
         )}
-    ${pathSection(app, s, segment)} ${checkSection(app, s)}
+    ${move ? profileTargetSection(s, view.profileDrag) : nothing} ${pathSection(app, s, segment)}
+    ${checkSection(app, s)}
     ${section(
       'Show',
       toggle('Slices with the moved outline', s.showSlices, (on) => app.showSlices(on)),

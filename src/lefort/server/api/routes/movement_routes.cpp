@@ -1,6 +1,8 @@
+#include <lefort/inverse/fit_preview.h>
 #include <lefort/io/predicted_poses.h>
 #include <lefort/io/preview_file.h>
 #include <lefort/io/surface_files.h>
+#include <lefort/pipeline/json/json_values.h>
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
 #include <lefort/server/case/served_case.h>
@@ -8,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -106,6 +109,48 @@ Response post_preview(ServedCase& served, const Request& request, const PathValu
   return reply;
 }
 
+/// Directions of the names in a body that matches the contract.
+std::vector<Vec3> as_axes(const json& free) {
+  std::vector<Vec3> axes_L;
+  for (const json& name : free) {
+    if (name == "anterior") axes_L.push_back(-Vec3::UnitY());
+    if (name == "superior") axes_L.push_back(Vec3::UnitZ());
+    if (name == "left") axes_L.push_back(Vec3::UnitX());
+  }
+  return axes_L;
+}
+
+Response post_preview_fit(ServedCase& served, const Request& request, const PathValues&) {
+  JsonBody body = read_json(request, "PreviewFitRequest");
+  if (!body.value) return body.error;
+  const json& wanted = *body.value;
+  const auto poses = as_poses(wanted["poses"]);
+  if (!poses) return error_response(poses.error(), "poses");
+  const auto segments = previewed_segments(served);
+  if (segments.empty())
+    return error_response(409, "not_ready", "no preview is prepared: run the job preview-factor");
+  std::vector<RigidTransform> X_LB;
+  for (const std::string& segment : segments)
+    if (const auto pose = poses->find(segment); pose != poses->end()) X_LB.push_back(pose->second);
+  const auto moved = std::find(segments.begin(), segments.end(), wanted["segment"]);
+  if (poses->size() != segments.size() || X_LB.size() != segments.size() || moved == segments.end())
+    return error_response(
+        422, "invalid",
+        fmt::format("the preview is of segment {} alone", fmt::join(segments, " and ")), "poses");
+  const auto face = served.preview();
+  if (!face) return error_response(face.error());
+  const json& mm = wanted["displacement_mm"];
+  const auto fit = inverse::fit_preview(
+      **face, X_LB, std::size_t(moved - segments.begin()), wanted["vertex"].get<Index>(),
+      Vec3(mm[0].get<double>(), mm[1].get<double>(), mm[2].get<double>()), as_axes(wanted["free"]));
+  if (!fit) return error_response(fit.error());
+  return json_response({{"note", kPreviewNote},
+                        {"pose", pipeline::as_json(fit->X_LB)},
+                        {"displacement_mm", pipeline::as_json(fit->displacement_mm)},
+                        {"residual_mm", fit->residual_mm},
+                        {"at_limit", fit->is_at_limit}});
+}
+
 Response get_preview_distance(ServedCase& served, const Request&, const PathValues&) {
   if (!served.folder.etag(served.folder.prediction() / "prediction.json"))
     return error_response(409, "not_ready", "no prediction to compare the preview with");
@@ -148,6 +193,7 @@ Response get_preview_distance(ServedCase& served, const Request&, const PathValu
 std::span<const Route> movement_routes() {
   static constexpr Route kRoutes[] = {{"POST", "/poses", post_poses},
                                       {"POST", "/preview", post_preview},
+                                      {"POST", "/preview/fit", post_preview_fit},
                                       {"GET", "/preview/distance", get_preview_distance}};
   return kRoutes;
 }

@@ -1,0 +1,29 @@
+#include <lefort/pipeline/cohort/memory_limit.h>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace lefort::pipeline {
+
+Result<void> limit_memory(double memory_gb) {
+  constexpr double kGigabyte = 1e9;
+  const double machine_gb =
+      double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE)) / kGigabyte;
+  if (memory_gb > machine_gb)
+    return fail(ErrorCode::kOutOfMemory,
+                fmt::format("--mem-gb is {:g}, this machine has {:.1f} GB: give less", memory_gb,
+                            machine_gb));
+  rlimit limit{};
+  ::getrlimit(RLIMIT_DATA, &limit);
+  limit.rlim_cur = rlim_t(memory_gb * kGigabyte);
+  if (limit.rlim_cur > limit.rlim_max) limit.rlim_cur = limit.rlim_max;
+  if (::setrlimit(RLIMIT_DATA, &limit) == 0) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("--mem-gb cannot be set: {}", std::strerror(errno)));
+}
+
+}  // namespace lefort::pipeline
