@@ -85,14 +85,14 @@ z_mm = low[2] + 0.45 * (high[2] - low[2])
 grid = np.stack(np.broadcast_arrays(x[None, :], y[:, None], z_mm), axis=-1)
 slice_mm = field.distance(grid)
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5.2), width_ratios=(1.25, 1), layout="constrained")
+figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 5.2), width_ratios=(0.95, 1), layout="constrained")
 shown = left.imshow(np.clip(slice_mm, -field.band_mm, field.band_mm), extent=(x[0], x[-1], y[-1], y[0]),
                     cmap="RdBu", vmin=-field.band_mm, vmax=field.band_mm, interpolation="nearest")
 left.contour(x, y, np.clip(slice_mm, -field.band_mm, field.band_mm), levels=[0], colors="black", linewidths=0.8)
 left.set_xlabel("x, to the patient's left [mm]")
 left.set_ylabel("y, to posterior [mm]")
 left.set_title(f"Signed distance to the skull at z = {z_mm:.0f} mm", fontsize=11)
-figure.colorbar(shown, ax=left, label="signed distance [mm], negative in bone", shrink=0.8)
+figure.colorbar(shown, ax=left, label="signed distance [mm], negative in bone, clipped at the band")
 
 bins = np.geomspace(1e-2, 1e3, 61)
 for (name, error_mm), color in zip(errors_mm.items(), ("#b2182b", "#2166ac")):
@@ -101,6 +101,7 @@ for (name, error_mm), color in zip(errors_mm.items(), ("#b2182b", "#2166ac")):
     median_um = float(np.median(error_mm) * 1e3)
     right.axvline(median_um, color=color, linewidth=1.5, label=f"{name}: median {median_um:.1f} µm")
 right.set_xscale("log")
+right.set_ylim(top=1.2 * right.get_ylim()[1])
 right.set_xlabel("error against the exact distance [µm]")
 right.set_ylabel("points [%]")
 right.set_title(f"{len(points_B):,} points within 4 mm, cells of {field.cell_mm:.2f} mm", fontsize=11)

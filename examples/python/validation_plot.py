@@ -59,7 +59,7 @@ bias_mm, deviation_mm = differences_mm.mean(), differences_mm.std(ddof=1)
 for value_mm, style, name in ((bias_mm, "-", "bias"), (bias_mm + 1.96 * deviation_mm, "--", "+1.96 SD"),
                               (bias_mm - 1.96 * deviation_mm, "--", "−1.96 SD")):
     left.axhline(value_mm, color="0.35", linestyle=style, linewidth=1)
-    left.annotate(f"{name} {value_mm:+.2f} mm", (1.0, value_mm), xycoords=("axes fraction", "data"), xytext=(-2, 3),
+    left.annotate(f"{name} {value_mm:+.2f} mm".replace("-", "−"), (1.0, value_mm), xycoords=("axes fraction", "data"), xytext=(-2, 3),
                   textcoords="offset points", ha="right", fontsize=8, color="0.35")
 margin_mm = max(3.2 * deviation_mm, 0.2)
 left.set_ylim(bias_mm - margin_mm, bias_mm + margin_mm)

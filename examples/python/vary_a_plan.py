@@ -82,15 +82,19 @@ for advancement_mm in advancements_mm:
 
 # %%
 def profile(mesh: lefort.TriangleMesh, x_mm: float, low_mm: float, high_mm: float) -> NDArray[np.float64]:
-    """The most anterior points (y, z) of a surface in a sagittal plane, from inferior to superior."""
+    """The most anterior points (y, z) of a surface in a sagittal plane, from inferior to superior.
+
+    NaN where they are more than 50 mm behind the nose: in the gap between the lips.
+    """
     segments = mesh.vertices[mesh.triangles][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3)
     sides = segments[:, :, 0] - x_mm
     crossing = segments[sides[:, 0] * sides[:, 1] < 0]
     t = (x_mm - crossing[:, 0, 0]) / (crossing[:, 1, 0] - crossing[:, 0, 0])
     points = crossing[:, 0, 1:] + t[:, None] * (crossing[:, 1, 1:] - crossing[:, 0, 1:])
     heights = np.arange(low_mm, high_mm, 1.0)
-    rows = [points[np.abs(points[:, 1] - z_mm) < 1.0] for z_mm in heights]
-    return np.array([(row[:, 0].min(), z_mm) for row, z_mm in zip(rows, heights) if len(row)])
+    anterior = points[points[:, 0] < points[(points[:, 1] > low_mm) & (points[:, 1] < high_mm), 0].min() + 50]
+    rows = [anterior[np.abs(anterior[:, 1] - z_mm) < 1.0, 0] for z_mm in heights]
+    return np.array([(row.min() if len(row) else np.nan, z_mm) for row, z_mm in zip(rows, heights)])
 
 
 names = {"Prn": "pronasale", "Sn": "subnasale", "Ls": "labrale superius", "Li": "labrale inferius", "Pg'": "soft pogonion"}
@@ -98,14 +102,14 @@ shown = {name: label for name, label in names.items() if name in landmarks}
 forward_mm = {name: [0.0] + [-float(one.displacement_at({name: landmarks[name]})[name][1]) for one in predictions.values()]
               for name in shown}
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 5.4), width_ratios=(1.4, 1), layout="constrained")
+figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 5.4), width_ratios=(1.15, 1), layout="constrained")
 colors = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, len(shown)))
 for (name, values_mm), color, marker in zip(forward_mm.items(), colors, "osD^v"):
     left.plot((0, *advancements_mm), values_mm, marker=marker, color=color, label=f"{shown[name]} ({name})")
 left.plot((0, 6), (0, 6), color="0.6", linestyle="--", linewidth=1, label="bone (1 : 1)")
 left.set_xlabel("advancement of the maxilla [mm]")
 left.set_ylabel("displacement of the skin to anterior [mm]")
-left.set_title("Skin follows bone", fontsize=11)
+left.set_title("Displacement at landmarks of the skin", fontsize=11)
 left.grid(color="0.9")
 left.legend(frameon=False, fontsize=9)
 
@@ -116,14 +120,18 @@ curves = {"before": profile(first.skin_before, middle_mm, min(heights) - 25, max
 curves |= {f"{mm:g} mm": profile(one.skin, middle_mm, min(heights) - 25, max(heights) + 30) for mm, one in predictions.items()}
 for (name, curve), color in zip(curves.items(), ("0.3", "#fdae61", "#f46d43", "#a50026")):
     right.plot(curve[:, 0], curve[:, 1], color=color, linewidth=1.6, label=name)
+everything = np.concatenate(list(curves.values()))
 for name in shown:
-    right.annotate(name, landmarks[name][1:], xytext=(-8, 0), textcoords="offset points", ha="right", va="center", fontsize=8)
+    z_mm = landmarks[name][2]
+    near = everything[np.abs(everything[:, 1] - z_mm) < 4, 0]
+    right.annotate(name, (np.nanmin(near), z_mm), xytext=(-6, 0), textcoords="offset points", ha="right", va="center",
+                   fontsize=8)
 right.set_aspect("equal")
-right.margins(x=0.25)
+right.set_xlim(left=np.nanmin(everything[:, 0]) - 16)
 right.set_xlabel("y, to posterior [mm]")
 right.set_ylabel("z, to superior [mm]")
 right.set_title("Profile in the mid-sagittal plane", fontsize=11)
-right.legend(frameon=False, fontsize=9, loc="upper right", title="advancement")
+right.legend(frameon=False, fontsize=9, loc="upper left", bbox_to_anchor=(1.0, 1.0), title="advancement")
 for axes in (left, right):
     for spine in ("top", "right"):
         axes.spines[spine].set_visible(False)
