@@ -18,7 +18,7 @@
 namespace lefort::pipeline {
 namespace {
 
-constexpr report::PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
+constexpr report::PictureSize kDrawnSize{.width = 1000, .height = 900, .supersampling = 2};
 constexpr report::Rgb kWanted{0.80, 0.15, 0.15}, kReached{0.10, 0.45, 0.75};
 constexpr double kMarker_mm = 1.6;
 
@@ -213,8 +213,8 @@ Result<std::vector<OptimizationPicture>> draw_optimization(const Optimization& d
                         const std::string& title,
                         const std::optional<report::ColorBar>& bar) -> Result<void> {
     const report::View view =
-        report::standard_view(side, focus_L, double(kSize.width) / kSize.height);
-    LEFORT_TRY(const report::Picture raw, scene.render(view, kSize, progress));
+        report::standard_view(side, focus_L, double(kDrawnSize.width) / kDrawnSize.height);
+    LEFORT_TRY(const report::Picture raw, scene.render(view, kDrawnSize, progress));
     LEFORT_TRY(const report::Picture shown, report::annotate(raw, {title, bar, view}));
     LEFORT_TRY(std::string png, report::encode_png(shown));
     pictures.push_back({file, title, std::move(png)});
