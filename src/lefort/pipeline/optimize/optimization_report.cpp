@@ -181,6 +181,24 @@ report::ReportTable direction_table(const Optimization& done) {
   return table;
 }
 
+/// Pairs pictures from the same camera, and adds the others singly.
+void add_pictures(const std::vector<OptimizationPicture>& pictures, report::CaseReport& report) {
+  const auto find = [&](const std::string& file) -> const OptimizationPicture* {
+    for (const OptimizationPicture& one : pictures)
+      if (one.file == file) return &one;
+    return nullptr;
+  };
+  for (const char* name : {"front", "right_profile"}) {
+    const OptimizationPicture* before = find(fmt::format("before_{}.png", name));
+    const OptimizationPicture* after = find(fmt::format("predicted_{}.png", name));
+    if (before != nullptr && after != nullptr)
+      report.comparisons.push_back(
+          {after->title, "Same camera; drag to compare.", before->png, after->png});
+    if (const OptimizationPicture* distance = find(fmt::format("distance_{}.png", name)))
+      report.pictures.push_back({distance->title, "Positive: outside the target.", distance->png});
+  }
+}
+
 std::string movement_sentence(const Optimization& done) {
   std::string words;
   const std::vector<inverse::MotionVector> motions = done.variables.motions(done.result.face.x);
@@ -253,21 +271,9 @@ report::CaseReport optimization_report(const Optimization& done,
   report.title = done.spec.title.empty() ? "Optimized plan" : done.spec.title;
   report.subtitle = "Bone movements computed from a target face";
   report.plan = movement_sentence(done);
-  report.converged = true;
-  const auto find = [&](const std::string& file) -> const OptimizationPicture* {
-    for (const OptimizationPicture& one : pictures)
-      if (one.file == file) return &one;
-    return nullptr;
-  };
-  for (const char* name : {"front", "right_profile"}) {
-    const OptimizationPicture* before = find(fmt::format("before_{}.png", name));
-    const OptimizationPicture* after = find(fmt::format("predicted_{}.png", name));
-    if (before != nullptr && after != nullptr)
-      report.comparisons.push_back(
-          {after->title, "Same camera; drag to compare.", before->png, after->png});
-    if (const OptimizationPicture* distance = find(fmt::format("distance_{}.png", name)))
-      report.pictures.push_back({distance->title, "Positive: outside the target.", distance->png});
-  }
+  report.converged = result.converged;
+  if (!result.converged) report.failure = "the search ended before it converged";
+  add_pictures(pictures, report);
   std::size_t reached = 0;
   const std::vector<TargetResult> targets = target_results(done);
   for (const TargetResult& one : targets) reached += one.is_reached ? 1U : 0U;
