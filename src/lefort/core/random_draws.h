@@ -1,6 +1,6 @@
 /// \file
-/// Random numbers from a seeded generator, with the same bits on every machine. The distributions of
-/// the standard library are not used, because their numbers depend on the library.
+/// Random numbers from a seeded generator, with the same bits on every machine. The distributions
+/// of the standard library are not used, because their numbers depend on the library.
 #pragma once
 
 #include <lefort/core/check.h>

@@ -19,8 +19,8 @@ double q_norm(const ChaosTerm& term, double q) {
   return std::pow(sum, 1.0 / q);
 }
 
-/// All terms with a norm of at most `degree`, by total degree, then in lexicographic order; empty if
-/// they are more than `max_terms`.
+/// All terms with a norm of at most `degree`, by total degree, then in lexicographic order; empty
+/// if they are more than `max_terms`.
 class TermSearch {
  public:
   TermSearch(std::span<const ChaosInput> inputs, int degree, double q, Index max_terms)

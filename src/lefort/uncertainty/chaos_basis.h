@@ -33,9 +33,9 @@ struct BasisOptions {
   Index max_terms = 600;
 };
 
-/// Candidate sets of total degree 1, 2, 3, ...: for each degree p > 1 first the hyperbolic set, whose
-/// terms satisfy (sum a_j^q)^(1/q) <= p with q = 0.75 \cite blatman2011, then the full set (q = 1).
-/// A set contains those before it.
+/// Candidate sets of total degree 1, 2, 3, ...: for each degree p > 1 first the hyperbolic set,
+/// whose terms satisfy (sum a_j^q)^(1/q) <= p with q = 0.75 \cite blatman2011, then the full set (q
+/// = 1). A set contains those before it.
 ///
 /// \param inputs  one or more.
 [[nodiscard]] ChaosBasis make_basis(std::vector<ChaosInput> inputs, const BasisOptions& options);

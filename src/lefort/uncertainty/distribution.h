@@ -54,9 +54,9 @@ struct Moments {
 [[nodiscard]] std::vector<double> quantiles(const Distribution& distribution,
                                             const std::vector<double>& probabilities);
 
-/// The discrete distribution on the nodes of the Gauss quadrature of a distribution. It has the same
-/// moments up to the order 2 `levels` - 1, and the same orthonormal polynomials up to the degree
-/// `levels` - 1 \cite gautschi2004.
+/// The discrete distribution on the nodes of the Gauss quadrature of a distribution. It has the
+/// same moments up to the order 2 `levels` - 1, and the same orthonormal polynomials up to the
+/// degree `levels` - 1 \cite gautschi2004.
 ///
 /// \param distribution  not discrete.
 /// \param levels        number of nodes, 2 to 9.

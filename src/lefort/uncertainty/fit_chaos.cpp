@@ -112,9 +112,9 @@ Selection select_terms(const Eigen::MatrixXd& basis, Index columns, const Vector
   Selection best{{0}, forward.loo_error()};
   const Index most =
       std::min(columns, std::max<Index>(2, Index(kTermsPerPoint * double(values.size()))));
-  const Index patience = std::max<Index>(10, most / 5);
+  const Index max_since = std::max<Index>(10, most / 5);
   const double round_off = 1e-28 * values.squaredNorm() / double(values.size());
-  for (Index since = 0; Index(forward.selected().size()) < most && since < patience;) {
+  for (Index since = 0; Index(forward.selected().size()) < most && since < max_since;) {
     const Index column = forward.best();
     if (column < 0 || !forward.add(column)) break;
     const double error = forward.loo_error();

@@ -21,7 +21,7 @@ struct ChaosFit {
 
 /// Selects terms one by one: each time that which reduces the residual most, by orthogonal least
 /// squares \cite chen1989. The number of terms and the candidate set are those with the smallest
-/// leave-one-out error, which follows from the fit to all points without others \cite blatman2011:
+/// leave-one-out error, which follows from the fit to all points (\cite blatman2011):
 ///
 ///     err = T / N sum_i (r_i / (1 - h_i))^2,   T = N / (N - P) (1 + tr(C^-1) / N),   C = A^T A / N
 ///
@@ -35,8 +35,8 @@ struct ChaosFit {
 [[nodiscard]] ChaosFit fit_chaos(const Eigen::MatrixXd& basis,
                                  std::span<const Index> candidate_ends, const VectorX& values);
 
-/// Coefficients of given terms by least squares over drawn points: a replicate of the bootstrap with
-/// fixed terms \cite marelli2018.
+/// Coefficients of given terms by least squares over drawn points: a replicate of the bootstrap
+/// with fixed terms \cite marelli2018.
 ///
 /// \param fit    its terms are used.
 /// \param drawn  numbers of points, with repetitions.

@@ -12,8 +12,8 @@ namespace lefort::uncertainty {
 inline constexpr Index kFirstDesign = 25;
 
 /// Points of a Latin hypercube \cite mckay1979 that is doubled until it has enough of them
-/// \cite sallaberry2008: the first 25, 50, 100, 200, ... points are Latin hypercubes, with one point
-/// in each of 25, 50, ... strata of every input. Fewer points are the first ones of more.
+/// (\cite sallaberry2008). The first 25, 50, 100, 200, ... points are Latin hypercubes, with one
+/// point in each of 25, 50, ... strata of every input. Fewer points are the first ones of more.
 ///
 /// \param inputs  number of columns, >= 1.
 /// \param count   number of rows, >= 1.

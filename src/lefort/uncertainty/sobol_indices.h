@@ -19,9 +19,10 @@ struct SobolIndices {
   std::vector<double> total;  ///< With its interactions with others.
 };
 
-/// Indices of groups of inputs: the variance of a sum of orthonormal terms is the sum of the squares
-/// of their coefficients, and each term depends on known inputs \cite sudret2008. For a field, the
-/// indices are those of the variance summed over the points of a region \cite lamboni2011.
+/// Indices of groups of inputs: the variance of a sum of orthonormal terms is the sum of the
+/// squares of their coefficients, and each term depends on known inputs \cite sudret2008. For a
+/// field, the indices are those of the variance summed over the points of a region \cite
+/// lamboni2011.
 ///
 /// \param basis         its terms.
 /// \param coefficients  terms by modes.

@@ -1,7 +1,7 @@
 /// \file
-/// The cases. Punch and ironing are in rigid_contact.cpp, uncertainty in uncertain_bar.cpp; each other case has a .cpp of its own.
-/// Each function returns the section of its case, whose checks may have failed; `progress` may stop
-/// it.
+/// The cases. Punch and ironing are in rigid_contact.cpp, uncertainty in uncertain_bar.cpp; each
+/// other case has a .cpp of its own. Each function returns the section of its case, whose checks
+/// may have failed; `progress` may stop it.
 #pragma once
 
 #include <lefort/verify/run_suite.h>

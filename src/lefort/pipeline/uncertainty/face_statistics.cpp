@@ -35,7 +35,8 @@ std::vector<double> widths(const uncertainty::FieldBand& band) {
   return width;
 }
 
-/// Mean band width of a region from a part of its vertices: at most 400, evenly spread over the list.
+/// Mean band width of a region from a part of its vertices: at most 400, evenly spread over the
+/// list.
 class BandMeasure {
  public:
   BandMeasure(const std::vector<double>& weights, Eigen::MatrixXd points)

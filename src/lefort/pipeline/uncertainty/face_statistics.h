@@ -43,8 +43,9 @@ struct ConvergenceRow {
   double q2 = 0.0;
 };
 
-/// The correction of the coarse model by the fine one: fine = coarse + correction, and the correction
-/// has a surrogate of its own from few samples \cite ng2012 (the additive form of \cite kennedy2000).
+/// The correction of the coarse model by the fine one: fine = coarse + correction, and the
+/// correction has a surrogate of its own from few samples \cite ng2012 (the additive form of \cite
+/// kennedy2000).
 struct CorrectionStatistics {
   Index samples = 0;
   double mean_mm = 0.0;         ///< Mean of the absolute mean correction, over the moved skin.

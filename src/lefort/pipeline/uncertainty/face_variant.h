@@ -1,6 +1,6 @@
 /// \file
-/// Models of a face for samples of its inputs: one for each combination of the levels of inputs that
-/// change mesh or boundary conditions; other inputs change poses and forces of such a model.
+/// Models of a face for samples of its inputs: one for each combination of the levels of inputs
+/// that change mesh or boundary conditions; other inputs change poses and forces of such a model.
 #pragma once
 
 #include <lefort/core/error.h>

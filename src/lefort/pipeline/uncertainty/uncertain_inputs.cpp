@@ -158,70 +158,42 @@ double UncertainInput::center() const {
 }
 
 std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
-  const auto uniform = [](double low, double high) {
-    return Distribution{.kind = DistributionKind::kUniform, .low = low, .high = high};
+  const auto entry = [](Parameter parameter, Distribution distribution, const char* source) {
+    return InputEntry{.parameter = &kInputParameters[parameter],
+                      .distribution = std::move(distribution),
+                      .segment = {},
+                      .levels = 3,
+                      .source = source};
   };
-  const auto lognormal = [](double mean, double deviation) {
+  const auto lognormal = [](double mean, double ratio) {
     return Distribution{
-        .kind = DistributionKind::kLogNormal, .mean = mean, .standard_deviation = deviation};
+        .kind = DistributionKind::kLogNormal, .mean = mean, .standard_deviation = ratio * mean};
   };
   const double margin_mm = plan.boundary.elevation_margin_mm.value_or(predict::kElevationMargin_mm);
-  const double layer_mm = plan.boundary.interface_layer_mm;
   return {
-      {&kInputParameters[kPoisson],
-       uniform(0.40, 0.49),
-       {},
-       3,
-       "0.49 in Nazari 2010, 0.45 by default; soft tissue is nearly incompressible, and the range "
-       "of "
-       "face models in the literature is 0.40 to 0.49 (assumed uniform)"},
-      {&kInputParameters[kSkinRatio],
-       lognormal(1.0, 0.5),
-       {},
-       3,
-       "factor 0.5 for younger and 2 for older skin (Barbarino 2011): lognormal, a factor 2 is two "
-       "standard deviations"},
-      {&kInputParameters[kLayer],
-       lognormal(layer_mm, 0.6 * layer_mm),
-       {},
-       3,
-       "assumed: no measurement is known; P5 to P95 of 0.4 to 2.1 times that of the plan includes "
-       "the range of the modulus "
-       "of loose connective tissue in Iatridis 2003"},
-      {&kInputParameters[kContact],
-       lognormal(predict::stiffness_factor(plan.contact, plan.tissue),
-                 0.5 * predict::stiffness_factor(plan.contact, plan.tissue)),
-       {},
-       3,
-       "assumed: numerical parameter, varied by a factor of about 2"},
-      {&kInputParameters[kMargin],
-       truncated_normal(margin_mm, margin_mm / 4.0),
-       {},
-       3,
-       "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"},
-      {&kInputParameters[kThreshold],
-       truncated_normal(0.0, 50.0),
-       {},
-       3,
-       "assumed: difference of readers and of scanner calibration at the border of bone"},
-      {&kInputParameters[kLandmarks],
-       truncated_normal(0.0, 1.0),
-       {},
-       3,
-       "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen 2006, "
-       "recalled)"},
-      {&kInputParameters[kTranslation],
-       truncated_normal(0.0, 1.0),
-       {},
-       3,
-       "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
-       "(maxilla), 1.1 mm (mandible); recalled"},
-      {&kInputParameters[kRotation],
-       truncated_normal(0.0, 1.5),
-       {},
-       3,
-       "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 deg "
-       "(maxilla), 1.8 deg (mandible); recalled"},
+      entry(kPoisson, {.kind = DistributionKind::kUniform, .low = 0.40, .high = 0.49},
+            "0.49 in Nazari 2010, 0.45 by default (docs/theory/materials.md); range and shape "
+            "assumed"),
+      entry(kSkinRatio, lognormal(1.0, 0.5),
+            "ArtiSynth: factor 0.5 for younger and 2 for older skin (docs/theory/materials.md); "
+            "shape assumed"),
+      entry(kLayer, lognormal(plan.boundary.interface_layer_mm, 0.6),
+            "assumed: no measurement is known; P5 to P95 is 0.3 to 2.1 times the value of the plan"),
+      entry(kContact, lognormal(predict::stiffness_factor(plan.contact, plan.tissue), 0.5),
+            "assumed: numerical parameter, varied by a factor of about 2"),
+      entry(kMargin, truncated_normal(margin_mm, margin_mm / 4.0),
+            "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"),
+      entry(kThreshold, truncated_normal(0.0, 50.0),
+            "assumed: difference of readers and of scanner calibration at the border of bone"),
+      entry(kLandmarks, truncated_normal(0.0, 1.0),
+            "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen "
+            "2006, recalled)"),
+      entry(kTranslation, truncated_normal(0.0, 1.0),
+            "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
+            "(maxilla), 1.1 mm (mandible); recalled"),
+      entry(kRotation, truncated_normal(0.0, 1.5),
+            "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 "
+            "deg (maxilla), 1.8 deg (mandible); recalled"),
   };
 }
 

@@ -66,7 +66,8 @@ struct UncertainInput {
   [[nodiscard]] double center() const;
 };
 
-/// The entries that are used without a file, and their sources; the execution error by \cite hsu2013.
+/// The entries that are used without a file, and their sources; the execution error by \cite
+/// hsu2013.
 [[nodiscard]] std::vector<InputEntry> default_inputs(const io::PlanFile& plan);
 
 /// Reads a file of inputs (contract/uncertain_inputs.schema.json).

@@ -16,7 +16,8 @@
 
 namespace lefort::pipeline {
 
-/// The check of the warm start: samples solved from the nominal equilibrium and along the whole path.
+/// The check of the warm start: samples solved from the nominal equilibrium and along the whole
+/// path.
 struct PathCheck {
   Index samples = 0;
   double mean_mm = 0.0;  ///< Distance along the normal, over the moved skin.
@@ -39,8 +40,8 @@ struct UncertaintyResults {
   [[nodiscard]] bool is_biased() const;
 };
 
-/// Displacement of each vertex of the skin [mm]: the nominal one of the coarse model, moved along its
-/// normal to the median.
+/// Displacement of each vertex of the skin [mm]: the nominal one of the coarse model, moved along
+/// its normal to the median.
 [[nodiscard]] std::vector<Vec3> median_skin_mm(const UncertainCase& face,
                                                const FaceStatistics& statistics);
 
