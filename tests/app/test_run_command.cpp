@@ -411,7 +411,7 @@ TEST(RunCommand, WrongArgumentsGetOneLine) {
 TEST(RunCommand, MemoryAndDiskThatDoNotSufficeEndItWithOneLine) {
   const test::TemporaryFolder folder;
   const std::string one = " --participant-label case01 --parameter-set default";
-  const auto small = test::run_lefort(run_all(folder / "out") + one + " --mem-gb 0.1");
+  const auto small = test::run_lefort(run_all(folder / "out") + one + " --mem-gb 0.03");
   EXPECT_EQ(small.exit_code, 1);
   EXPECT_EQ(small.message_lines(), 1) << small.error;
   EXPECT_NE(small.error.find("memory"), std::string::npos) << small.error;
