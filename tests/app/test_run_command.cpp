@@ -51,7 +51,7 @@ const Cohort& cohort() {
                                       quoted(one.path));
     EXPECT_EQ(run.exit_code, 0) << run.error;
     EXPECT_TRUE(io::write_text(one.sets, R"({"lefort_parameter_sets": 1, "sets": {
-      "default": {}, "stiff": {"tissue": {"poisson": 0.47, "skin": {"young_kpa": 60}}}}})"));
+      "default": {}, "stiff": {"tissue": {"material": {"law": "neo-hookean", "young_kpa": 15, "poisson": 0.47}}}}})"));
     return &one;
   }();
   return *made;
@@ -174,7 +174,7 @@ TEST(RunCommand, PredictsEachCaseWithEachSetAndSummarizesThem) {
   EXPECT_EQ(group["participants"], 2);
   EXPECT_EQ(group["evaluations_predicted"], 4);
   EXPECT_EQ(group["sets"][0]["set"], "default");
-  EXPECT_EQ(group["sets"][1]["overrides"]["tissue"]["poisson"], 0.47);
+  EXPECT_EQ(group["sets"][1]["overrides"]["tissue"]["material"]["poisson"], 0.47);
   EXPECT_EQ(group["sets"][0]["compared"], 2);
   EXPECT_FALSE(group["sets"][0]["regions"].empty());
   EXPECT_TRUE(group["evaluations"][0]["difference_to_first_set"].is_null());
@@ -402,15 +402,16 @@ TEST(RunCommand, WrongArgumentsGetOneLine) {
             1, says);
   };
   sets_refused("a.json", R"({"lefort_parameter_sets": 1, "sets": {"a": {"tissue": {"color": 1}}}})",
-               "parameter set a: tissue: unknown key \"color\"");
-  sets_refused("b.csv", "set,tissue.poisson\na,0.6\n", "parameter set a: tissue.poisson");
+               "parameter set a: tissue: unknown key 'color'");
+  sets_refused("b.csv", "set,tissue.element_size_mm\na,600\n",
+               "parameter set a: tissue.element_size_mm");
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST(RunCommand, MemoryAndDiskThatDoNotSufficeEndItWithOneLine) {
   const test::TemporaryFolder folder;
   const std::string one = " --participant-label case01 --parameter-set default";
-  const auto small = test::run_lefort(run_all(folder / "out") + one + " --mem-gb 0.1");
+  const auto small = test::run_lefort(run_all(folder / "out") + one + " --mem-gb 0.03");
   EXPECT_EQ(small.exit_code, 1);
   EXPECT_EQ(small.message_lines(), 1) << small.error;
   EXPECT_NE(small.error.find("memory"), std::string::npos) << small.error;

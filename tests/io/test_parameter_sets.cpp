@@ -31,28 +31,27 @@ class ParameterSets : public testing::Test {
 };
 
 TEST_F(ParameterSets, AreReadFromJson) {
-  const auto found = read("a.json", sets(R"("stiff": {"tissue": {"poisson": 0.47}}, "plain": {})"));
+  const auto found = read("a.json", sets(R"("stiff": {"tissue": {"margin_mm": 47}}, "plain": {})"));
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(found->size(), 2U);
   EXPECT_EQ((*found)[0].name, "plain");  // By name: an object has no order.
-  EXPECT_EQ(json::parse((*found)[1].overrides)["tissue"]["poisson"], 0.47);
+  EXPECT_EQ(json::parse((*found)[1].overrides)["tissue"]["margin_mm"], 47);
 }
 
 TEST_F(ParameterSets, ATableHasTheSameMeaningAndKeepsItsOrder) {
   const auto found = read("a.csv",
-                          "set,tissue.poisson,boundary.interface,tissue.skin.young_kpa\r\n"
-                          "z,0.47,bonded,\r\n"
+                          "set,tissue.margin_mm,boundary.interface,tissue.skin.layers\r\n"
+                          "z,47,bonded,\r\n"
                           "\r\n"
-                          "a,,\"contact\",60\r\n");
+                          "a,,\"contact\",3\r\n");
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(found->size(), 2U);
   EXPECT_EQ((*found)[0].name, "z");
   EXPECT_EQ(json::parse((*found)[0].overrides),
-            json::parse(R"({"tissue": {"poisson": 0.47}, "boundary": {"interface": "bonded"}})"));
+            json::parse(R"({"tissue": {"margin_mm": 47}, "boundary": {"interface": "bonded"}})"));
   EXPECT_EQ(
       json::parse((*found)[1].overrides),
-      json::parse(
-          R"({"tissue": {"skin": {"young_kpa": 60}}, "boundary": {"interface": "contact"}})"));
+      json::parse(R"({"tissue": {"skin": {"layers": 3}}, "boundary": {"interface": "contact"}})"));
 }
 
 TEST_F(ParameterSets, ErrorsNameTheSetAndTheKeyAsThePlanReaderDoes) {
@@ -60,28 +59,28 @@ TEST_F(ParameterSets, ErrorsNameTheSetAndTheKeyAsThePlanReaderDoes) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   says(error("a.json", sets(R"("x": {"tissue": {"color": 1}})")),
-       "parameter set x: tissue: unknown key \"color\"");
-  says(error("a.json", sets(R"("x": {"tissue": {"poisson": 0.6}})")),
-       "parameter set x: tissue.poisson");
-  says(error("a.json", sets(R"("x": {"ct": "a.nrrd"})")), "unknown key \"ct\"");
+       "parameter set x: tissue: unknown key 'color'");
+  says(error("a.json", sets(R"("x": {"tissue": {"margin_mm": -6}})")),
+       "parameter set x: tissue.margin_mm");
+  says(error("a.json", sets(R"("x": {"ct": "a.nrrd"})")), "unknown key 'ct'");
   says(error("a.json", sets(R"("x": {"segmentation": {"labels": "a.seg.nrrd"}})")),
        "names the file a.seg.nrrd, must name none");
   says(error("a.json", sets(R"("x y": {})")), "x y");
   says(error("a.json", sets(R"("x": {}, "x": {})")), "x");
   says(error("a.json", sets("")), "sets");
   says(error("a.json", "{"), "a.json: ");
-  says(error("a.csv", "name,tissue.poisson\n"), "the first column is \"name\", must be \"set\"");
-  says(error("a.csv", "set,tissue..poisson\n"), "is no key of a plan");
-  says(error("a.csv", "set,tissue.poisson,tissue.poisson\n"), "occurs twice");
-  says(error("a.csv", "set,tissue.poisson\nx\n"), "line 2 has 1 cells, the first line has 2");
-  says(error("a.csv", "set,tissue.poisson\nx,0.4\nx,0.4\n"), "the set x occurs twice");
-  says(error("a.csv", "set,tissue,tissue.poisson\nx,3,0.4\n"), "have both a value");
-  says(error("a.csv", "set,tissue.poisson\nx,nan\n"), "parameter set x: tissue.poisson");
+  says(error("a.csv", "name,tissue.margin_mm\n"), "the first column is \"name\", must be \"set\"");
+  says(error("a.csv", "set,tissue..margin_mm\n"), "is no key of a plan");
+  says(error("a.csv", "set,tissue.margin_mm,tissue.margin_mm\n"), "occurs twice");
+  says(error("a.csv", "set,tissue.margin_mm\nx\n"), "line 2 has 1 cells, the first line has 2");
+  says(error("a.csv", "set,tissue.margin_mm\nx,40\nx,40\n"), "the set x occurs twice");
+  says(error("a.csv", "set,tissue,tissue.margin_mm\nx,3,40\n"), "have both a value");
+  says(error("a.csv", "set,tissue.margin_mm\nx,nan\n"), "parameter set x: tissue.margin_mm");
   says(error("a.csv", ""), "sets");
 }
 
 TEST_F(ParameterSets, OfAFileCanBeChosen) {
-  const auto all = *read("a.csv", "set,tissue.poisson\na,0.4\nb,0.41\nc,0.42\n");
+  const auto all = *read("a.csv", "set,tissue.margin_mm\na,40\nb,41\nc,42\n");
   EXPECT_EQ(select_sets(all, {})->size(), 3U);
   const auto chosen = select_sets(all, std::array<std::string, 2>{"c", "a"});
   ASSERT_TRUE(chosen);

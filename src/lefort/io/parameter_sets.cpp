@@ -56,7 +56,7 @@ Result<OrderedJson::json_pointer> pointer_of(const std::string& column) {
       text.find("..") != std::string::npos || column.front() == '.' || column.back() == '.')
     return fail(ErrorCode::kPlanInvalid,
                 fmt::format("the column \"{}\" is no key of a plan: expected a path such as "
-                            "tissue.poisson",
+                            "tissue.element_size_mm",
                             column));
   std::replace(text.begin(), text.end(), '.', '/');
   return OrderedJson::json_pointer(text);

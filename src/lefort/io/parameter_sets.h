@@ -21,13 +21,13 @@ struct ParameterSet {
 [[nodiscard]] inline ParameterSet default_set() { return {"default", "{}"}; }
 
 /// Reads contract/parameter_sets.schema.json, or a CSV: one line per set, the column `set` with its
-/// name, each other column with the path of a key of a plan ("tissue.poisson"). An empty cell
+/// name, each other column with the path of a key of a plan ("tissue.element_size_mm"). An empty cell
 /// leaves the plan as it is.
 ///
 /// \param file  its ending chooses the format: .json or .csv.
 /// \returns the sets in the order of the file (JSON: by name); kFileNotFound; kFileCorrupt if it is
 ///   larger than 16 MiB; or kPlanInvalid with the set, the key and the error, as
-///   `parameter set stiff: tissue: unknown key "color"`.
+///   `parameter set stiff: tissue: unknown key 'color'`.
 [[nodiscard]] Result<std::vector<ParameterSet>> read_parameter_sets(
     const std::filesystem::path& file);
 

@@ -46,7 +46,7 @@ void add_options(CLI::App& command, RunArguments& arguments, CommandContext& con
   command
       .add_option("--mem-gb,--mem_gb", job.memory_gb,
                   "Limit of the memory of this process [GB]; a case that needs more fails")
-      ->check(CLI::Range(0.1, 1e5));
+      ->check(CLI::Range(0.01, 1e5));
   command.add_option("-w,--work-dir,--work_dir", job.work,
                      "Folder for the cache and unfinished steps, shared by all processes of a "
                      "run; default: OUT/.lefort");

@@ -199,6 +199,8 @@ Result<std::optional<Evaluated>> try_evaluate(const RunJob& job, CaseInputs& inp
   if (!lock) return std::nullopt;
   if (auto finished = find_finished(attempt)) return Evaluated{*std::move(finished), true};
   LEFORT_TRY_VOID(remove_leftovers(place));
+  fs::create_directories(place.scratch, error);
+  if (error) return unwritable(error);
   EvaluationLog log(
       *lock, place.name(),
       [&attempt](std::string text) { return attempt.cleaned(std::move(text)); }, progress);

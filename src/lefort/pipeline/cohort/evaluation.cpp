@@ -14,9 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersionOfFile = 1;
+constexpr int kEvaluationVersion = 1;
 // Increase when results of the same inputs change.
-constexpr const char* kRevision = "run-1";
+constexpr const char* kRunRevision = "run-1";
 
 std::string sorted_keys(const std::string& json) { return nlohmann::json::parse(json).dump(); }
 
@@ -61,7 +61,7 @@ EvaluationPlace place_of(const RunJob& job, const std::string& participant,
 
 std::string options_key(const RunJob& job, const io::ParameterSet& set) {
   return io::Sha256()
-      .add(kRevision)
+      .add(kRunRevision)
       .add(kVersion)
       .add(sorted_keys(set.overrides))
       .add(job.achieved_movements ? 1.0 : 0.0)
@@ -72,7 +72,7 @@ std::string options_key(const RunJob& job, const io::ParameterSet& set) {
 }
 
 Json as_json(const Evaluation& evaluation) {
-  Json json{{"lefort_evaluation", kVersionOfFile},
+  Json json{{"lefort_evaluation", kEvaluationVersion},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
             {"participant", evaluation.participant},
@@ -98,7 +98,7 @@ Result<Evaluation> read_evaluation(const fs::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
   try {
     const Json json = Json::parse(text);
-    if (json.at("lefort_evaluation") == kVersionOfFile) return evaluation_of(json);
+    if (json.at("lefort_evaluation") == kEvaluationVersion) return evaluation_of(json);
   } catch (const nlohmann::json::exception&) {  // Not such a file.
   } catch (const std::bad_optional_access&) {   // Neither is its comparison.
   }

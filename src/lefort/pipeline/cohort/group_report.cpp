@@ -13,16 +13,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 bool is_predicted(const GroupRow& row) { return row.found.state == EvaluationState::kPredicted; }
 
 /// Mean distance of a method to the achieved skin over the face; NaN if it is not compared.
 double face_error_mm(const GroupRow& row, std::size_t method) {
-  if (!is_predicted(row)) return kNone;
+  if (!is_predicted(row)) return kNoValue;
   for (const RegionResult& region : row.found.evaluation.comparison.regions)
     if (region.region == "face") return region.methods[method][0];
-  return kNone;
+  return kNoValue;
 }
 
 Json row_json(const GroupRow& row) {
@@ -119,11 +119,11 @@ report::ReportTable cases_table(const GroupResults& results, const std::string& 
 }
 
 double max_shift_mm(const GroupRow& row) {
-  return is_predicted(row) ? row.found.evaluation.max_shift_mm : kNone;
+  return is_predicted(row) ? row.found.evaluation.max_shift_mm : kNoValue;
 }
 
 double max_difference_mm(const GroupRow& row) {
-  return row.difference ? row.difference->max_mm : kNone;
+  return row.difference ? row.difference->max_mm : kNoValue;
 }
 
 /// A point per case, one color per set.
@@ -189,9 +189,9 @@ std::string group_csv(const GroupResults& results) {
     csv += fmt::format("{},{},{},{}", row.participant, row.set, name_of(row.found.state),
                        csv_field(row.found.reason));
     csv += cell(max_shift_mm(row));
-    csv += cell(is_predicted(row) ? one.mean_shift_where_moved_mm : kNone);
+    csv += cell(is_predicted(row) ? one.mean_shift_where_moved_mm : kNoValue);
     csv += cell(max_difference_mm(row));
-    csv += cell(row.difference ? row.difference->mean_over_moved_mm : kNone);
+    csv += cell(row.difference ? row.difference->mean_over_moved_mm : kNoValue);
     for (std::size_t m = 0; m < kMethods.size(); ++m) csv += cell(face_error_mm(row, m));
     csv += "\n";
   }

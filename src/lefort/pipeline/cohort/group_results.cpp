@@ -64,8 +64,8 @@ GroupSet statistics_of(const GroupResults& results, const io::ParameterSet& set)
     mean_difference_mm.push_back(row.difference->mean_over_moved_mm);
   }
   const auto value = [&](const std::vector<double>& values) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return values.empty() ? CohortValue{kNone, {kNone, kNone}}
+    constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+    return values.empty() ? CohortValue{kNoNumber, {kNoNumber, kNoNumber}}
                           : cohort_value(values, results.bootstrap);
   };
   of_set.max_shift_mm = value(max_mm);

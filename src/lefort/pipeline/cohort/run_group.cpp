@@ -1,9 +1,12 @@
+#include <lefort/core/version.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cohort/group_report.h>
 #include <lefort/pipeline/run.h>
 #include <lefort/report/plot_lines.h>
 #include <lefort/report/report_html.h>
+
+#include <fmt/format.h>
 
 #include <array>
 
@@ -22,8 +25,10 @@ Result<Summary> run_group(const RunJob& job, Progress& progress) {
                                           figures / "difference.svg", figures / "error.svg"}));
   progress.begin_stage("write the report");
   LEFORT_TRY_VOID(io::make_output_folder(figures));
-  for (const auto& [name, plot] : group_plots(results))
+  for (auto& [name, plot] : group_plots(results)) {
+    plot.x_label += fmt::format(" ({})", kNotForClinicalUse);  // A figure is used without its page.
     LEFORT_TRY_VOID(io::write_text(figures / name, report::plot_file(plot)));
+  }
   LEFORT_TRY_VOID(io::write_text(job.output / "group.csv", group_csv(results)));
   LEFORT_TRY_VOID(io::write_text(job.output / "regions.csv", regions_csv(results)));
   LEFORT_TRY_VOID(io::write_text(page, report::report_html(group_report(results))));
