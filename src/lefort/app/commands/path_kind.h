@@ -19,6 +19,8 @@ enum class PathKind {
   kPlan,          ///< A plan.
   kDeck,          ///< A deck.
   kTarget,        ///< Wanted positions of the face.
+  kInputs,        ///< Distributions of uncertain inputs.
+  kParameters,    ///< Parameter sets.
   kField,         ///< A distance field.
   kPoints,        ///< A table of points.
   kFolder,        ///< A folder that is read.

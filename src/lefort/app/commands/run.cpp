@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/run.h>
 
 #include <memory>
@@ -27,17 +28,23 @@ struct RunArguments {
 
 void add_options(CLI::App& command, RunArguments& arguments, CommandContext& context) {
   pipeline::RunJob& job = arguments.job;
-  command.add_option("input", job.input, "BIDS dataset, or a cohort as for `lefort validate`")
+  mark_path(
+      command.add_option("input", job.input, "BIDS dataset, or a cohort as for `lefort validate`"),
+      PathKind::kFolder)
       ->required();
-  command.add_option("output", job.output, "Folder for the results")->required();
+  mark_path(command.add_option("output", job.output, "Folder for the results"),
+            PathKind::kNewFolder)
+      ->required();
   command.add_option("level", arguments.level, "participant: predict cases; group: statistics")
       ->required()
       ->check(CLI::IsMember({"participant", "group"}));
   command.add_option("--participant-label,--participant_label", job.participants,
                      "Labels of cases, with or without sub-; default: all");
-  command.add_option("--parameters", job.parameters,
-                     "Parameter sets, .json or .csv (contract/parameter_sets.schema.json); "
-                     "default: the set `default`, the plans as they are");
+  mark_path(
+      command.add_option("--parameters", job.parameters,
+                         "Parameter sets, .json or .csv (contract/parameter_sets.schema.json); "
+                         "default: the set `default`, the plans as they are"),
+      PathKind::kParameters);
   command.add_option("--parameter-set", job.sets, "Names of sets of the file; default: all");
   command
       .add_option("--n-threads,--n_threads,--nthreads,--n_cpus", context.threads,
@@ -47,9 +54,11 @@ void add_options(CLI::App& command, RunArguments& arguments, CommandContext& con
       .add_option("--mem-gb,--mem_gb", job.memory_gb,
                   "Limit of the memory of this process [GB]; a case that needs more fails")
       ->check(CLI::Range(0.01, 1e5));
-  command.add_option("-w,--work-dir,--work_dir", job.work,
-                     "Folder for the cache and unfinished steps, shared by all processes of a "
-                     "run; default: OUT/.lefort");
+  mark_path(
+      command.add_option("-w,--work-dir,--work_dir", job.work,
+                         "Folder for the cache and unfinished steps, shared by all processes of a "
+                         "run; default: OUT/.lefort"),
+      PathKind::kNewFolder);
   command.add_flag("--skip-bids-validation,--skip_bids_validator", job.skip_bids_validation,
                    "Accept a dataset without dataset_description.json");
   command.add_flag("--achieved", job.achieved_movements,

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/uncertainty.h>
 
 #include <fmt/format.h>
@@ -34,12 +35,18 @@ void add_uncertainty_command(CLI::App& cli, CommandContext& context) {
   const auto chunk = std::make_shared<std::string>();
   CLI::App* const command = cli.add_subcommand(
       "uncertainty", "Band of the predicted face by the uncertainty of named inputs");
-  command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
+  mark_path(command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)"),
+            PathKind::kPlan)
+      ->required();
   CLI::Option* const output =
-      command->add_option("-o,--output", job->output, "Folder for the results");
-  command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
-  command->add_option("--inputs", job->inputs,
-                      "Distributions of the inputs (contract/uncertain_inputs.schema.json)");
+      mark_path(command->add_option("-o,--output", job->output, "Folder for the results"),
+                PathKind::kNewFolder);
+  mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
+            PathKind::kScan);
+  mark_path(
+      command->add_option("--inputs", job->inputs,
+                          "Distributions of the inputs (contract/uncertain_inputs.schema.json)"),
+      PathKind::kInputs);
   CLI::Option* const show = command->add_flag(
       "--show-inputs", *show_inputs, "Print the default inputs of the plan, and compute nothing");
   command->add_option("--samples", job->samples, "Samples of the coarse model, 20 to 20000")
