@@ -148,12 +148,14 @@ Result<Evaluation> compute_and_publish(const Attempt& attempt, Progress& progres
 Result<Evaluation> compute_within_memory(const Attempt& attempt, Progress& progress) {
   try {
     return compute_and_publish(attempt, progress);
-  } catch (const std::bad_alloc&) {
-    const auto& limit = attempt.job.memory_gb;
-    return fail(ErrorCode::kOutOfMemory,
-                limit ? fmt::format("there is not enough memory: --mem-gb is {:g}", *limit)
-                      : std::string("there is not enough memory"));
+  } catch (const std::bad_alloc&) {           // Reported below.
+  } catch (const std::system_error& error) {  // A thread whose stack cannot be allocated.
+    if (error.code() != std::errc::resource_unavailable_try_again) throw;
   }
+  const auto& limit = attempt.job.memory_gb;
+  return fail(ErrorCode::kOutOfMemory,
+              limit ? fmt::format("there is not enough memory: --mem-gb is {:g}", *limit)
+                    : std::string("there is not enough memory"));
 }
 
 std::optional<Evaluation> find_finished(const Attempt& attempt) {

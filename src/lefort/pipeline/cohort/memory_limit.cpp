@@ -1,3 +1,4 @@
+#include <lefort/core/parallel.h>
 #include <lefort/pipeline/cohort/memory_limit.h>
 
 #include <fmt/format.h>
@@ -17,6 +18,8 @@ Result<void> limit_memory(double memory_gb) {
     return fail(ErrorCode::kOutOfMemory,
                 fmt::format("--mem-gb is {:g}, this machine has {:.1f} GB: give less", memory_gb,
                             machine_gb));
+  // Starts the threads of parallel loops: their stacks could not be allocated later.
+  parallel_for(1 << 20, [](Index) {});
   rlimit limit{};
   ::getrlimit(RLIMIT_DATA, &limit);
   limit.rlim_cur = rlim_t(memory_gb * kGigabyte);
