@@ -20,7 +20,7 @@ enum Parameter : std::size_t {
   kContact,
   kMargin,
   kThreshold,
-  kLandmarks,
+  kLandmarkError,
   kTranslation,
   kRotation,
 };
@@ -87,7 +87,7 @@ std::string why_without_effect(const InputParameter& parameter, const io::PlanFi
     return "the interface bonded has no contact";
   if (&parameter == &kInputParameters[kThreshold] && plan.labels)
     return "the plan names labels, so that the scan is not segmented";
-  if (&parameter == &kInputParameters[kLandmarks] && !uses_landmarks(plan))
+  if (&parameter == &kInputParameters[kLandmarkError] && !uses_landmarks(plan))
     return "no osteotomy of the plan is placed by landmarks";
   return {};
 }
@@ -185,7 +185,7 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
             "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"),
       entry(kThreshold, truncated_normal(0.0, 50.0),
             "assumed: difference of readers and of scanner calibration at the border of bone"),
-      entry(kLandmarks, truncated_normal(0.0, 1.0),
+      entry(kLandmarkError, truncated_normal(0.0, 1.0),
             "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen "
             "2006, recalled)"),
       entry(kTranslation, truncated_normal(0.0, 1.0),
