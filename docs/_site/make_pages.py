@@ -18,7 +18,7 @@ DOCS = Path("docs")
 PROJECT_PAGES = ["CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "CODE_OF_CONDUCT.md"]
 SECTIONS = [("Guide", "guide"), ("Theory", "theory"), ("Reference", "reference"), ("Studies", "studies"),
             ("Decisions", "decisions")]
-ORDER = ["index", "surgeon", "researcher", "planner", "import", "osteotomies", "landmarks", "tissue-mesh", "compare",
+ORDER = ["index", "install", "surgeon", "researcher", "planner", "import", "osteotomies", "landmarks", "tissue-mesh", "compare",
          "validate", "solve", "python", "materials", "elements", "locking", "distance-field", "contact", "equilibrium", "cli"]
 TOP = ["architecture", "conventions", "glossary", "roadmap"]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
