@@ -80,7 +80,7 @@ void bind_volume_meshes(py::module_& module) {
           [](const py::object& self) {
             return view_of(self.cast<const VolumeMesh&>().nodes_L, self);
           },
-          doc("mesh::VolumeMesh::nodes_L"))
+          "Positions of the nodes, (n, 3) [mm], as a read-only view.")
       .def_property_readonly("blocks", &blocks_of, doc("mesh::ElementBlock"))
       .def_readonly("region_names", &VolumeMesh::region_names,
                     doc("mesh::VolumeMesh::region_names"))
