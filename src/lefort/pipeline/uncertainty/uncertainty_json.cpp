@@ -22,11 +22,11 @@ Json input_json(const UncertainInput& input) {
             {"meaning", input.parameter->meaning},
             {"unit", input.parameter->unit},
             {"group", input.parameter->group},
-            {"distribution", as_json(input.distribution)},
+            {"distribution", pipeline::as_json(input.distribution)},
             {"mean", moments.mean},
             {"standard_deviation", std::sqrt(moments.variance)},
             {"source", input.source}};
-  json["levels"] = input.is_in_levels() ? as_json(input.sampled) : Json(nullptr);
+  json["levels"] = input.is_in_levels() ? pipeline::as_json(input.sampled) : Json(nullptr);
   return json;
 }
 
