@@ -74,11 +74,10 @@ TEST_F(OptimizeCommand, RecoversTheMovementFromThePredictedFace) {
                        quoted(folder_ / "truth") + " --quiet --no-pictures --no-sensitivity");
   ASSERT_EQ(predicted.exit_code, 0) << predicted.error;
   // The head is a ball: rotations do not change it.
-  write(
-      "target.json",
-      {{"lefort_target", 1},
-       {"surfaces", {{{"name", "face"}, {"file", "truth/predicted_skin.stl"}}}},
-       {"bodies", {{{"segments", {"front"}}, {"free", {"left", "anterior", "superior"}}}}}});
+  write("target.json",
+        {{"lefort_target", 1},
+         {"surfaces", {{{"name", "face"}, {"file", "truth/predicted_skin.stl"}}}},
+         {"bodies", {{{"segments", {"front"}}, {"free", {"left", "anterior", "superior"}}}}}});
   write("start.json", plan_with({1.0, -1.0, -1.5}));
   const auto run = optimize("", "start.json");
   ASSERT_EQ(run.exit_code, 0) << run.error;
@@ -163,7 +162,7 @@ TEST_F(OptimizeCommand, BadTargetsAreErrorsOfOneLine) {
        "the bounds of anterior contradict each other, 3 > 1");
   says({{"lefort_target", 1}, {"landmarks", {good}}, {"bodies", {{{"segments", {"nose"}}}}}},
        "the plan has no segment nose");
-  says({{"lefort_target", 1}, {"landmarks", {good}}, {"colour", 1}}, "colour");
+  says({{"lefort_target", 1}, {"landmarks", {good}}, {"tint", 1}}, "tint");
   says({{"lefort_target", 1}, {"surfaces", {{{"file", "missing.stl"}}}}}, "missing.stl");
 
   geometry::TriangleMesh other = test::make_icosphere(47.0, 3);

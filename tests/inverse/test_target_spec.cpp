@@ -59,7 +59,8 @@ TEST(TargetSpec, ProfilesAreInTheMidsagittalPlaneOfTheLandmarks) {
 
 geometry::RigidPath path(const std::string& segment, const Vec3& by_mm,
                          const Vec3& rotation_rad = Vec3::Zero()) {
-  geometry::RigidPath path{.segment = segment};
+  geometry::RigidPath path;
+  path.segment = segment;
   path.keyframes = {
       {.translation_mm = by_mm, .rotation_rad = rotation_rad, .center_L = Vec3(1, 2, 3)}};
   return path;

@@ -34,8 +34,8 @@ namespace lefort::contact {
                                                  std::span<const geometry::MotionRate> rates);
 
 /// The same for an item whose force depends on its distance from a point that follows a fraction of
-/// the motion of the bone without rotating (NodalSupport::motion_fraction < 1): if the point moves by
-/// w v(X), the force changes as if the tissue moved by -w v(X): dr/dq = -K w v(X).
+/// the motion of the bone without rotating (NodalSupport::motion_fraction < 1): if the point moves
+/// by w v(X), the force changes as if the tissue moved by -w v(X): dr/dq = -K w v(X).
 ///
 /// \param fraction  w, 0 to 1.
 /// \param point_L   X, the point of the bone that is followed [mm].

@@ -20,8 +20,8 @@ struct MotionRate {
   }
 };
 
-/// The derivatives of the positions of rigid_motion() by its six numbers: translation (per mm), then
-/// rotation vector (per rad). A change of the rotation vector turns the body about
+/// The derivatives of the positions of rigid_motion() by its six numbers: translation (per mm),
+/// then rotation vector (per rad). A change of the rotation vector turns the body about
 /// J_l(rotation) times the change, with the left Jacobian of the rotation group (\cite barfoot2017,
 /// equation (7.77)):
 ///

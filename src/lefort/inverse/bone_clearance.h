@@ -31,8 +31,8 @@ struct DeepestOverlap {
 
 class BoneClearance {
  public:
-  /// \param bones       segments in the order of the plan, then stationary bone; their paths are not
-  ///   used. Surfaces must outlive the object.
+  /// \param bones       segments in the order of the plan, then stationary bone; their paths are
+  ///   not used. Surfaces must outlive the object.
   /// \param allowed_mm  limit of the depth, >= 0.
   BoneClearance(std::vector<predict::MovingBone> bones, double allowed_mm);
 

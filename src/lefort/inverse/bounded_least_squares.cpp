@@ -49,6 +49,20 @@ VectorX damped_step(const QuadraticModel& model, const std::vector<Index>& free,
   return p;
 }
 
+/// mu after a trial point.
+double next_damping(double damping, double ratio, double scale) {
+  if (ratio > kGood) return std::max(damping / kFactor, kMinDamping * scale);
+  return ratio < kBad ? damping * kFactor : damping;
+}
+
+/// Bounds at which the gradient points out.
+void note_active_bounds(const VectorX& lower, const VectorX& upper, LeastSquaresResult& result) {
+  for (Index i = 0; i < lower.size(); ++i) {
+    result.at_lower.push_back(result.x[i] <= lower[i] && result.model.gradient[i] > 0.0);
+    result.at_upper.push_back(result.x[i] >= upper[i] && result.model.gradient[i] < 0.0);
+  }
+}
+
 bool is_final(ErrorCode code) {
   return code == ErrorCode::kCancelled || code == ErrorCode::kOutOfMemory;
 }
@@ -95,13 +109,9 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
     const double ratio =
         objective && expected > 0.0 ? (result.objective - *objective) / expected : -1.0;
     const bool is_accepted = ratio > kMinRatio;
-    result.history.push_back({.objective = objective ? *objective : result.objective,
-                              .step = length,
-                              .damping = damping,
-                              .is_accepted = is_accepted,
-                              .x = x});
-    if (ratio > kGood) damping = std::max(damping / kFactor, kMinDamping * scale);
-    if (ratio < kBad) damping *= kFactor;
+    const double shown = objective ? *objective : result.objective;
+    result.history.push_back({shown, 0.0, length, damping, is_accepted, x});
+    damping = next_damping(damping, ratio, scale);
     if (is_accepted) {
       result.x = x;
       result.objective = *objective;
@@ -115,10 +125,7 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
       break;
     }
   }
-  for (Index i = 0; i < start.size(); ++i) {
-    result.at_lower.push_back(result.x[i] <= lower[i] && result.model.gradient[i] > 0.0);
-    result.at_upper.push_back(result.x[i] >= upper[i] && result.model.gradient[i] < 0.0);
-  }
+  note_active_bounds(lower, upper, result);
   return result;
 }
 

@@ -8,8 +8,9 @@
 /// 1. Active bounds: x_i at a bound with g_i pointing out of it. Their components do not change.
 /// 2. (H + mu I) p = -g in the other components; x' = projection of x + p onto the bounds.
 /// 3. rho = (J(x) - J(x')) / (decrease of the quadratic model from x to x').
-/// 4. Accept x' if rho > 1e-4. mu decreases if the model is good (rho > 3/4), increases if it is bad
-///    (rho < 1/4), by a factor of 4 (\cite nocedal2006, algorithm 4.1, by mu instead of the radius).
+/// 4. Accept x' if rho > 1e-4. mu decreases if the model is good (rho > 3/4), increases if it is
+///    bad (rho < 1/4), by a factor of 4 (\cite nocedal2006, algorithm 4.1, by mu instead of the
+///    radius).
 ///
 /// x is in mm and degrees, so that in directions that r does not determine the step of least length
 /// is taken in these units.

@@ -5,8 +5,8 @@
 ///   J(x) = 1/2 sum_k w_k mean r_k(d(x))^2  +  c/2 sum_v max(depth_v - threshold, 0)^2
 ///          +  w_r/2 |x - x_0|^2
 ///
-/// d(x) is the displacement of the skin: that of the live model, plus a constant correction for each
-/// vertex (optimize_motion.h).
+/// d(x) is the displacement of the skin: that of the live model, plus a constant correction of
+/// each vertex (optimize_motion.h).
 #pragma once
 
 #include <lefort/core/progress.h>

@@ -33,8 +33,8 @@ inline constexpr double kMaxFit_mm = 20.0;
 /// \param vertex     of the skin.
 /// \param wanted_mm  its wanted displacement from the position before surgery.
 /// \param axes_L     one to three orthonormal directions.
-/// \returns the fit; kInvalidArgument if segment or vertex does not exist, a number is not finite, or
-///   the segment does not move the vertex; or the error of the preview.
+/// \returns the fit; kInvalidArgument if segment or vertex does not exist, a number is not finite,
+///   or the segment does not move the vertex; or the error of the preview.
 [[nodiscard]] Result<PreviewFit> fit_preview(const predict::FacePreview& preview,
                                              std::vector<RigidTransform> X_LB, std::size_t segment,
                                              Index vertex, const Vec3& wanted_mm,

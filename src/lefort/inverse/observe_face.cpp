@@ -179,23 +179,18 @@ std::vector<std::optional<double>> FaceObserver::profile_y_mm(std::span<const Ve
   return y_mm;
 }
 
-std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacement_mm) const {
-  LEFORT_CHECK(displacement_mm.size() == skin_L_.vertices.size());
-  std::vector<Observation> all;
-  std::size_t target = 0;
-  const auto position = [&](std::int32_t v) {
-    return Vec3(skin_L_.vertices[std::size_t(v)] + displacement_mm[std::size_t(v)]);
-  };
-  for (std::size_t k = 0; k < anchors_.size(); ++k, ++target) {
+void FaceObserver::observe_landmarks(std::span<const Vec3> displacement_mm,
+                                     std::vector<Observation>& all) const {
+  for (std::size_t k = 0; k < anchors_.size(); ++k) {
     const LandmarkTarget& of = target_.landmarks[k];
     const Anchor& anchor = anchors_[k];
     Vec3 x_L = Vec3::Zero();
     for (Index n = 0; n < 3; ++n)
-      x_L += anchor.weights[n] * position(anchor.vertices[std::size_t(n)]);
+      x_L += anchor.weights[n] * position(anchor.vertices[std::size_t(n)], displacement_mm);
     const auto add = [&](const Vec3& direction) {
       Observation one{.residual_mm = direction.dot(x_L - of.to_L),
                       .weight = of.weight,
-                      .target = target,
+                      .target = k,
                       .components = of.direction_L ? 1 : 3,
                       .at_L = x_L,
                       .vertices = anchor.vertices};
@@ -205,58 +200,74 @@ std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacemen
     if (of.direction_L) add(*of.direction_L);
     for (Index axis = 0; !of.direction_L && axis < 3; ++axis) add(Vec3::Unit(axis));
   }
-  for (std::size_t k = 0; k < target_.profiles.size(); ++k, ++target) {
-    const ProfileTarget& of = target_.profiles[k];
-    std::vector<std::optional<Observation>> found(of.points.size());
-    parallel_for(Index(of.points.size()), [&](Index i) {
-      const ProfilePoint& point = of.points[std::size_t(i)];
-      const auto hit = hit_at(displacement_mm, profile_triangles_[k], of.x_mm, point.z_mm);
-      if (!hit) return;
-      const geometry::Triangle& corners = skin_L_.triangles[std::size_t(hit->triangle)];
-      const Vec3 normal = (position(corners[1]) - position(corners[0]))
-                              .cross(position(corners[2]) - position(corners[0]));
-      if (normal.y() == 0.0) return;
-      Observation one{.residual_mm = hit->y_mm - point.y_mm,
-                      .weight = of.weight / double(of.points.size()),
-                      .target = target,
-                      .at_L = Vec3(of.x_mm, hit->y_mm, point.z_mm),
-                      .vertices = corners};
-      for (Index n = 0; n < 3; ++n)
-        one.gradient[std::size_t(n)] = hit->weights[n] / normal.y() * normal;
-      found[std::size_t(i)] = one;
-    });
-    for (const auto& one : found)
-      if (one) all.push_back(*one);
-  }
-  for (std::size_t k = 0; k < target_.surfaces.size(); ++k, ++target) {
-    const SurfaceTarget& of = target_.surfaces[k];
-    const std::vector<std::int32_t>& vertices = surface_vertices_[k];
-    std::vector<std::optional<Observation>> found(vertices.size());
-    parallel_for(Index(vertices.size()), [&](Index i) {
-      const std::int32_t v = vertices[std::size_t(i)];
-      const Vec3 p = position(v);
-      if (!surfaces_[k].closest_point(p, of.max_distance_mm)) return;
-      const geometry::SignedDistance at = surfaces_[k].signed_distance(p);
-      constexpr double kOnSurface_mm = 1e-9;
-      const Vec3 gradient = std::abs(at.distance_mm) > kOnSurface_mm
-                                ? Vec3((p - at.nearest.point) / at.distance_mm)
-                                : at.pseudonormal.normalized();
-      found[std::size_t(i)] = Observation{.residual_mm = at.distance_mm,
-                                          .weight = surface_areas_mm2_[k][std::size_t(i)],
-                                          .target = target,
-                                          .at_L = p,
-                                          .vertices = {v, v, v},
-                                          .gradient = {gradient, Vec3::Zero(), Vec3::Zero()}};
-    });
-    double area_mm2 = 0.0;
-    for (const auto& one : found)
-      if (one) area_mm2 += one->weight;
-    for (auto& one : found)
-      if (one) {
-        one->weight *= of.weight / area_mm2;
-        all.push_back(*one);
-      }
-  }
+}
+
+void FaceObserver::observe_profile(std::size_t profile, std::span<const Vec3> displacement_mm,
+                                   std::vector<Observation>& all) const {
+  const ProfileTarget& of = target_.profiles[profile];
+  std::vector<std::optional<Observation>> found(of.points.size());
+  parallel_for(Index(of.points.size()), [&](Index i) {
+    const ProfilePoint& point = of.points[std::size_t(i)];
+    const auto hit = hit_at(displacement_mm, profile_triangles_[profile], of.x_mm, point.z_mm);
+    if (!hit) return;
+    const geometry::Triangle& corners = skin_L_.triangles[std::size_t(hit->triangle)];
+    const Vec3 first = position(corners[0], displacement_mm);
+    const Vec3 normal = (position(corners[1], displacement_mm) - first)
+                            .cross(position(corners[2], displacement_mm) - first);
+    if (normal.y() == 0.0) return;
+    Observation one{.residual_mm = hit->y_mm - point.y_mm,
+                    .weight = of.weight / double(of.points.size()),
+                    .target = anchors_.size() + profile,
+                    .at_L = Vec3(of.x_mm, hit->y_mm, point.z_mm),
+                    .vertices = corners};
+    for (Index n = 0; n < 3; ++n)
+      one.gradient[std::size_t(n)] = hit->weights[n] / normal.y() * normal;
+    found[std::size_t(i)] = one;
+  });
+  for (const auto& one : found)
+    if (one) all.push_back(*one);
+}
+
+void FaceObserver::observe_surface(std::size_t surface, std::span<const Vec3> displacement_mm,
+                                   std::vector<Observation>& all) const {
+  const SurfaceTarget& of = target_.surfaces[surface];
+  const std::vector<std::int32_t>& vertices = surface_vertices_[surface];
+  std::vector<std::optional<Observation>> found(vertices.size());
+  parallel_for(Index(vertices.size()), [&](Index i) {
+    const std::int32_t v = vertices[std::size_t(i)];
+    const Vec3 p = position(v, displacement_mm);
+    if (!surfaces_[surface].closest_point(p, of.max_distance_mm)) return;
+    const geometry::SignedDistance at = surfaces_[surface].signed_distance(p);
+    constexpr double kOnSurface_mm = 1e-9;
+    const Vec3 gradient = std::abs(at.distance_mm) > kOnSurface_mm
+                              ? Vec3((p - at.nearest.point) / at.distance_mm)
+                              : at.pseudonormal.normalized();
+    found[std::size_t(i)] =
+        Observation{.residual_mm = at.distance_mm,
+                    .weight = surface_areas_mm2_[surface][std::size_t(i)],
+                    .target = anchors_.size() + target_.profiles.size() + surface,
+                    .at_L = p,
+                    .vertices = {v, v, v},
+                    .gradient = {gradient, Vec3::Zero(), Vec3::Zero()}};
+  });
+  double area_mm2 = 0.0;
+  for (const auto& one : found)
+    if (one) area_mm2 += one->weight;
+  for (auto& one : found)
+    if (one) {
+      one->weight *= of.weight / area_mm2;
+      all.push_back(*one);
+    }
+}
+
+std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacement_mm) const {
+  LEFORT_CHECK(displacement_mm.size() == skin_L_.vertices.size());
+  std::vector<Observation> all;
+  observe_landmarks(displacement_mm, all);
+  for (std::size_t k = 0; k < target_.profiles.size(); ++k)
+    observe_profile(k, displacement_mm, all);
+  for (std::size_t k = 0; k < target_.surfaces.size(); ++k)
+    observe_surface(k, displacement_mm, all);
   return all;
 }
 

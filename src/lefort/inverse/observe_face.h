@@ -1,5 +1,5 @@
 /// \file
-/// Residuals of a face with respect to a target, and their derivatives by the positions of the skin.
+/// Residuals of a face with respect to a target, with derivatives by the positions of the skin.
 ///
 /// Each residual depends on at most three vertices of the skin:
 ///
@@ -77,10 +77,6 @@ class FaceObserver {
     std::array<std::int32_t, 3> vertices;
     Vec3 weights;
   };
-  /// Triangles that the profile in one plane can hit.
-  struct ProfileRows {
-    std::vector<std::int32_t> triangles;
-  };
   struct Hit {
     double y_mm;
     std::int32_t triangle;
@@ -90,6 +86,15 @@ class FaceObserver {
   FaceObserver(geometry::TriangleMesh skin_L, FaceTarget target)
       : skin_L_(std::move(skin_L)), target_(std::move(target)) {}
 
+  [[nodiscard]] Vec3 position(std::int32_t v, std::span<const Vec3> displacement_mm) const {
+    return skin_L_.vertices[std::size_t(v)] + displacement_mm[std::size_t(v)];
+  }
+  void observe_landmarks(std::span<const Vec3> displacement_mm,
+                         std::vector<Observation>& all) const;
+  void observe_profile(std::size_t profile, std::span<const Vec3> displacement_mm,
+                       std::vector<Observation>& all) const;
+  void observe_surface(std::size_t surface, std::span<const Vec3> displacement_mm,
+                       std::vector<Observation>& all) const;
   [[nodiscard]] Result<void> anchor_landmarks(std::span<const char> is_moved);
   [[nodiscard]] Result<void> check_profiles(std::span<const char> is_moved);
   [[nodiscard]] Result<void> choose_vertices(std::span<const char> is_moved);

@@ -2,15 +2,15 @@
 /// The movement whose predicted face is closest to a target, by a coarse model that fine solves
 /// correct.
 ///
-/// Let d_c(x) and d_f(x) be the displacements of the skin by the coarse and the fine model, and J(d)
+/// Let d_c(x) and d_f(x) be the displacements of the skin by the coarse and the fine model, J(d)
 /// the objective. Defect correction by output space mapping (\cite bandler2004; \cite
 /// echeverria2008):
 ///
 ///   x_0     = argmin J(d_c(x))
 ///   x_(k+1) = argmin J(d_c(x) + d_f(x_k) - d_c(x_k))
 ///
-/// At a fixed point the corrected coarse face is the fine face. If the fine face reaches the target,
-/// the fixed point is a minimum of J(d_f) exactly; if not, up to the difference of the derivatives
+/// At a fixed point the corrected coarse face is the fine face. If that reaches the target, the
+/// fixed point is a minimum of J(d_f) exactly; if not, up to the difference of the derivatives
 /// of the two models. The iteration contracts if the derivatives of the models differ by less than
 /// half (docs/theory/inverse.md).
 ///

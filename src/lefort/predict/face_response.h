@@ -1,6 +1,6 @@
 /// \file
-/// A live model of a face: its equilibrium at any poses of the segments, and the derivatives of that
-/// equilibrium by the numbers of their motions.
+/// A live model of a face: its equilibrium at any poses of the segments, and its derivatives by the
+/// numbers of their motions.
 ///
 /// Let r(u, q) = 0 be the equilibrium with the displacements u = (u_f, u_p) of free and prescribed
 /// nodes, and q a number of the motion of the segments. Prescribed nodes move with their bone, and

@@ -35,7 +35,7 @@ inline constexpr double kIncrementElementFraction = 0.25;
 [[nodiscard]] double max_increment_mm(const TissueOptions& tissue, double max_distance_mm);
 
 /// Number of equal increments of a step. In one increment no vertex of a segment moves further
-/// than max_increment_mm(). Plans that differ only in their number of steps can thus have the same increments.
+/// than max_increment_mm(). Plans that differ only in their steps can have the same increments.
 ///
 /// \param tissue           its element size is used.
 /// \param paths            one for each segment.

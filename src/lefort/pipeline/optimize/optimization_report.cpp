@@ -18,7 +18,7 @@
 namespace lefort::pipeline {
 namespace {
 
-constexpr report::PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
+constexpr report::PictureSize kDrawnSize{.width = 1000, .height = 900, .supersampling = 2};
 constexpr report::Rgb kWanted{0.80, 0.15, 0.15}, kReached{0.10, 0.45, 0.75};
 constexpr double kMarker_mm = 1.6;
 
@@ -181,6 +181,24 @@ report::ReportTable direction_table(const Optimization& done) {
   return table;
 }
 
+/// Pairs pictures from the same camera, and adds the others singly.
+void add_pictures(const std::vector<OptimizationPicture>& pictures, report::CaseReport& report) {
+  const auto find = [&](const std::string& file) -> const OptimizationPicture* {
+    for (const OptimizationPicture& one : pictures)
+      if (one.file == file) return &one;
+    return nullptr;
+  };
+  for (const char* name : {"front", "right_profile"}) {
+    const OptimizationPicture* before = find(fmt::format("before_{}.png", name));
+    const OptimizationPicture* after = find(fmt::format("predicted_{}.png", name));
+    if (before != nullptr && after != nullptr)
+      report.comparisons.push_back(
+          {after->title, "Same camera; drag to compare.", before->png, after->png});
+    if (const OptimizationPicture* distance = find(fmt::format("distance_{}.png", name)))
+      report.pictures.push_back({distance->title, "Positive: outside the target.", distance->png});
+  }
+}
+
 std::string movement_sentence(const Optimization& done) {
   std::string words;
   const std::vector<inverse::MotionVector> motions = done.variables.motions(done.result.face.x);
@@ -213,8 +231,8 @@ Result<std::vector<OptimizationPicture>> draw_optimization(const Optimization& d
                         const std::string& title,
                         const std::optional<report::ColorBar>& bar) -> Result<void> {
     const report::View view =
-        report::standard_view(side, focus_L, double(kSize.width) / kSize.height);
-    LEFORT_TRY(const report::Picture raw, scene.render(view, kSize, progress));
+        report::standard_view(side, focus_L, double(kDrawnSize.width) / kDrawnSize.height);
+    LEFORT_TRY(const report::Picture raw, scene.render(view, kDrawnSize, progress));
     LEFORT_TRY(const report::Picture shown, report::annotate(raw, {title, bar, view}));
     LEFORT_TRY(std::string png, report::encode_png(shown));
     pictures.push_back({file, title, std::move(png)});
@@ -253,21 +271,9 @@ report::CaseReport optimization_report(const Optimization& done,
   report.title = done.spec.title.empty() ? "Optimized plan" : done.spec.title;
   report.subtitle = "Bone movements computed from a target face";
   report.plan = movement_sentence(done);
-  report.converged = true;
-  const auto find = [&](const std::string& file) -> const OptimizationPicture* {
-    for (const OptimizationPicture& one : pictures)
-      if (one.file == file) return &one;
-    return nullptr;
-  };
-  for (const char* name : {"front", "right_profile"}) {
-    const OptimizationPicture* before = find(fmt::format("before_{}.png", name));
-    const OptimizationPicture* after = find(fmt::format("predicted_{}.png", name));
-    if (before != nullptr && after != nullptr)
-      report.comparisons.push_back(
-          {after->title, "Same camera; drag to compare.", before->png, after->png});
-    if (const OptimizationPicture* distance = find(fmt::format("distance_{}.png", name)))
-      report.pictures.push_back({distance->title, "Positive: outside the target.", distance->png});
-  }
+  report.converged = result.converged;
+  if (!result.converged) report.failure = "the search ended before it converged";
+  add_pictures(pictures, report);
   std::size_t reached = 0;
   const std::vector<TargetResult> targets = target_results(done);
   for (const TargetResult& one : targets) reached += one.is_reached ? 1U : 0U;

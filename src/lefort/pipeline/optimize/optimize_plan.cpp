@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 /// Residual of the equilibria of the coarse model, for exact derivatives.
 constexpr double kCoarseTolerance = 1e-9;
 
-const char* const kPictures = "pictures";
+const char* const kPictureFolder = "pictures";
 
 /// Options of a live model of the plan's face. The coarse model has the penalty only: multipliers
 /// and weighted gaps have no derivatives (predict/face_response.h).
@@ -161,9 +161,9 @@ Result<void> write_results(const OptimizeJob& job, const Optimization& done, Sta
   if (job.pictures) {
     progress.begin_stage("draw");
     LEFORT_TRY(pictures, draw_optimization(done, progress));
-    LEFORT_TRY_VOID(io::make_output_folder(job.output / kPictures));
+    LEFORT_TRY_VOID(io::make_output_folder(job.output / kPictureFolder));
     for (const OptimizationPicture& picture : pictures)
-      LEFORT_TRY_VOID(io::write_text(job.output / kPictures / picture.file, picture.png));
+      LEFORT_TRY_VOID(io::write_text(job.output / kPictureFolder / picture.file, picture.png));
   }
   LEFORT_TRY_VOID(io::write_text(job.output / "report.html",
                                  report::report_html(optimization_report(done, pictures))));
