@@ -85,7 +85,7 @@ Json as_json(std::span<const InputEntry> entries) {
   Json json{{"lefort_uncertain_inputs", 1}, {"inputs", Json::array()}};
   for (const InputEntry& entry : entries) {
     Json one{{"parameter", entry.parameter->name},
-             {"distribution", as_json(entry.distribution)},
+             {"distribution", pipeline::as_json(entry.distribution)},
              {"source", entry.source}};
     if (entry.segment) one["segment"] = *entry.segment;
     const bool has_levels = entry.parameter->effect == InputEffect::kBoundary ||

@@ -113,7 +113,8 @@ Result<void> write_all(const UncertaintyJob& job, const UncertainCase& face,
   }
   LEFORT_TRY_VOID(write_band(folder / "uncertainty.vtp", face, results.statistics));
   LEFORT_TRY_VOID(io::write_text(folder / "samples.csv", samples_csv(face, results)));
-  LEFORT_TRY_VOID(io::write_text(folder / "inputs.json", text_of_results(as_json(face.entries()))));
+  LEFORT_TRY_VOID(
+      io::write_text(folder / "inputs.json", text_of_results(pipeline::as_json(face.entries()))));
   LEFORT_TRY_VOID(io::write_text(folder / "report.html", report::report_html(report)));
   return io::write_text(folder / "uncertainty.json", text_of_results(json));
 }
@@ -176,7 +177,7 @@ Result<Summary> default_uncertain_inputs(const fs::path& plan) {
   } else {
     LEFORT_TRY(read, io::read_plan(plan));
   }
-  const nlohmann::ordered_json json = as_json(default_inputs(read));
+  const nlohmann::ordered_json json = pipeline::as_json(default_inputs(read));
   std::string text = text_of_results(json);
   text.pop_back();
   return Summary{std::move(text), json};

@@ -136,7 +136,7 @@ Result<void> UncertainCase::prepare(Progress& progress) {
   for (const io::InputFile& file :
        io::fingerprints(plan_text_, job_.plan).value_or(std::vector<io::InputFile>{}))
     key.add(file.name).add(file.sha256);
-  key.add(as_json(entries_).dump()).add(double(job_.seed));
+  key.add(pipeline::as_json(entries_).dump()).add(double(job_.seed));
   store_ = SampleStore(job_.output / "samples", key.hex());
   return {};
 }

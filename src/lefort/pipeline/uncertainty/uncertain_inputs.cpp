@@ -14,15 +14,15 @@ using uncertainty::Distribution;
 using uncertainty::DistributionKind;
 
 enum Parameter : std::size_t {
-  kPoisson,
-  kSkinRatio,
-  kLayer,
-  kContact,
-  kMargin,
-  kThreshold,
-  kLandmarkError,
-  kTranslation,
-  kRotation,
+  kInputPoisson,
+  kInputSkinRatio,
+  kInputLayer,
+  kInputContact,
+  kInputMargin,
+  kInputThreshold,
+  kInputLandmarks,
+  kInputTranslation,
+  kInputRotation,
 };
 
 constexpr std::array kInputParameters{
@@ -78,16 +78,16 @@ bool uses_landmarks(const io::PlanFile& plan) {
 /// Why a parameter has no effect on a plan; empty if it has.
 std::string why_without_effect(const InputParameter& parameter, const io::PlanFile& plan) {
   const bool is_clinical = plan.boundary.interface == predict::TissueInterface::kClinical;
-  if (&parameter == &kInputParameters[kSkinRatio] && !plan.tissue.skin)
+  if (&parameter == &kInputParameters[kInputSkinRatio] && !plan.tissue.skin)
     return "the plan has no material of skin; the deep tissue alone has no ratio";
-  if (&parameter == &kInputParameters[kLayer] && !is_clinical)
+  if (&parameter == &kInputParameters[kInputLayer] && !is_clinical)
     return "only the interface clinical has sliding tissue";
-  if (&parameter == &kInputParameters[kContact] &&
+  if (&parameter == &kInputParameters[kInputContact] &&
       plan.boundary.interface == predict::TissueInterface::kBonded)
     return "the interface bonded has no contact";
-  if (&parameter == &kInputParameters[kThreshold] && plan.labels)
+  if (&parameter == &kInputParameters[kInputThreshold] && plan.labels)
     return "the plan names labels, so that the scan is not segmented";
-  if (&parameter == &kInputParameters[kLandmarkError] && !uses_landmarks(plan))
+  if (&parameter == &kInputParameters[kInputLandmarks] && !uses_landmarks(plan))
     return "no osteotomy of the plan is placed by landmarks";
   return {};
 }
@@ -121,7 +121,7 @@ Result<UncertainInput> make_input(const InputEntry& entry) {
 
 Result<void> add_execution(const InputEntry& entry, const io::PlanFile& plan, InputsOfPlan& all) {
   LEFORT_TRY(UncertainInput input, make_input(entry));
-  const bool is_rotation = entry.parameter == &kInputParameters[kRotation];
+  const bool is_rotation = entry.parameter == &kInputParameters[kInputRotation];
   bool is_found = false;
   for (std::size_t k = 0; k < plan.segments.size(); ++k) {
     const std::string& segment = plan.segments[k].osteotomy.segment;
@@ -171,27 +171,28 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
   };
   const double margin_mm = plan.boundary.elevation_margin_mm.value_or(predict::kElevationMargin_mm);
   return {
-      entry(kPoisson, {.kind = DistributionKind::kUniform, .low = 0.40, .high = 0.49},
+      entry(kInputPoisson, {.kind = DistributionKind::kUniform, .low = 0.40, .high = 0.49},
             "0.49 in Nazari 2010, 0.45 by default (docs/theory/materials.md); range and shape "
             "assumed"),
-      entry(kSkinRatio, lognormal(1.0, 0.5),
+      entry(kInputSkinRatio, lognormal(1.0, 0.5),
             "ArtiSynth: factor 0.5 for younger and 2 for older skin (docs/theory/materials.md); "
             "shape assumed"),
-      entry(kLayer, lognormal(plan.boundary.interface_layer_mm, 0.6),
-            "assumed: no measurement is known; P5 to P95 is 0.3 to 2.1 times the value of the plan"),
-      entry(kContact, lognormal(predict::stiffness_factor(plan.contact, plan.tissue), 0.5),
+      entry(
+          kInputLayer, lognormal(plan.boundary.interface_layer_mm, 0.6),
+          "assumed: no measurement is known; P5 to P95 is 0.3 to 2.1 times the value of the plan"),
+      entry(kInputContact, lognormal(predict::stiffness_factor(plan.contact, plan.tissue), 0.5),
             "assumed: numerical parameter, varied by a factor of about 2"),
-      entry(kMargin, truncated_normal(margin_mm, margin_mm / 4.0),
+      entry(kInputMargin, truncated_normal(margin_mm, margin_mm / 4.0),
             "assumed: surgical descriptions, no measurements (docs/theory/interface.md)"),
-      entry(kThreshold, truncated_normal(0.0, 50.0),
+      entry(kInputThreshold, truncated_normal(0.0, 50.0),
             "assumed: difference of readers and of scanner calibration at the border of bone"),
-      entry(kLandmarkError, truncated_normal(0.0, 1.0),
+      entry(kInputLandmarks, truncated_normal(0.0, 1.0),
             "assumed: landmarks placed by readers repeat to about 1 mm along each axis (Swennen "
             "2006, recalled)"),
-      entry(kTranslation, truncated_normal(0.0, 1.0),
+      entry(kInputTranslation, truncated_normal(0.0, 1.0),
             "Hsu 2013: largest root mean square difference of planned and achieved centroid 1.0 mm "
             "(maxilla), 1.1 mm (mandible); recalled"),
-      entry(kRotation, truncated_normal(0.0, 1.5),
+      entry(kInputRotation, truncated_normal(0.0, 1.5),
             "Hsu 2013: largest root mean square difference of planned and achieved orientation 1.5 "
             "deg (maxilla), 1.8 deg (mandible); recalled"),
   };
