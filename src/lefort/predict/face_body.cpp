@@ -86,7 +86,8 @@ Result<void> FaceBody::add_contacts(const DistanceQueries& distance_queries_B, P
   const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
   const bool needs_stationary = slides_on_stationary || slides_on_stationary_bone(model_.interface);
   if (is_sliding || slides_on_stationary)
-    stiffness_mpa_per_mm_ = predict::contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
+    stiffness_mpa_per_mm_ =
+        predict::contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
   std::vector<contact::RigidObstacle> bones;  // At rest: segments, then stationary bone if needed.
   for (const auto& distance_query_B : distance_queries_B)
     bones.push_back({distance_query_B, RigidTransform::Identity()});
@@ -184,8 +185,8 @@ Result<void> FaceBody::make_assembler() {
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
   if (model_.lips.is_separated())
-    terms.push_back(&lips_.emplace(
-        model_.lips.pairs, predict::contact_stiffness_mpa_per_mm(options_.tissue, options_.contact)));
+    terms.push_back(&lips_.emplace(model_.lips.pairs, predict::contact_stiffness_mpa_per_mm(
+                                                          options_.tissue, options_.contact)));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
                                                   prescribed_at(std::vector<RigidTransform>(
                                                       names_.size(), RigidTransform::Identity()))));
