@@ -21,8 +21,8 @@ struct ParameterSet {
 [[nodiscard]] inline ParameterSet default_set() { return {"default", "{}"}; }
 
 /// Reads contract/parameter_sets.schema.json, or a CSV: one line per set, the column `set` with its
-/// name, each other column with the path of a key of a plan ("tissue.element_size_mm"). An empty cell
-/// leaves the plan as it is.
+/// name, each other column with the path of a key of a plan ("tissue.element_size_mm"). An empty
+/// cell leaves the plan as it is.
 ///
 /// \param file  its ending chooses the format: .json or .csv.
 /// \returns the sets in the order of the file (JSON: by name); kFileNotFound; kFileCorrupt if it is
