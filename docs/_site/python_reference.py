@@ -43,7 +43,10 @@ def stub_signatures(stub: Path) -> dict[str, str]:
 def section(name: str, thing: object, signatures: dict[str, str]) -> list[str]:
     signature = signatures.get(f"{name}.__init__", signatures.get(name, ""))
     if not signature and callable(thing):
-        signature = str(inspect.signature(thing))
+        try:
+            signature = str(inspect.signature(thing))
+        except ValueError:  # A compiled class that Python code does not construct.
+            signature = ""
     if "<factory>" in signature:
         signature = ""
     is_plan = isinstance(thing, type) and thing.__module__ == "lefort.plan"
