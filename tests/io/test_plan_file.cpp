@@ -100,7 +100,7 @@ TEST(PlanFile, IsCheckedWithAndWithoutItsFiles) {
   plan["tissue"]["hue"] = 1;
   for (const std::string& message :
        {check_plan_form(plan.dump()).error().message, check_plan(plan.dump(), "/").error().message})
-    EXPECT_EQ(message, "tissue: unknown key 'hue'");
+    EXPECT_EQ(message, "tissue: unknown key 'hue'.");
 }
 
 TEST(PlanFile, WhatIsNotSaidHasItsDefault) {

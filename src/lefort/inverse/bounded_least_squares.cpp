@@ -13,6 +13,7 @@ constexpr double kMinRatio = 1e-4;  ///< Of the decrease to that of the model.
 constexpr double kGood = 0.75, kBad = 0.25, kFactor = 4.0;
 constexpr double kFirstDamping = 1e-3;  ///< Of the largest diagonal entry of H.
 constexpr double kMinDamping = 1e-9, kMaxDamping = 1e6;
+constexpr double kSmallGradient = 1e-3;  ///< Of the projected gradient at the start.
 
 /// Components that may change: not at a bound that g points out of.
 std::vector<Index> free_components(const VectorX& x, const VectorX& g, const VectorX& lower,
@@ -88,6 +89,8 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
                             .x = start});
   const double scale = std::max(result.model.hessian.diagonal().maxCoeff(), 1e-12);
   result.stop = LeastSquaresStop::kTooManyIterations;
+  const double small_gradient = kSmallGradient * largest(result.model.gradient, free);
+  bool is_last_accepted = true;
   for (int n = 0; n < options.max_iterations; ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "cancelled");
     if (free.empty() || largest(result.model.gradient, free) <= options.gradient_tolerance) {
@@ -101,7 +104,10 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
     const double expected =
         -(result.model.gradient.dot(step) + 0.5 * step.dot(result.model.hessian * step));
     if (length <= options.step_tolerance) {
-      result.stop = LeastSquaresStop::kConverged;
+      // After rejected points the step is small because of the damping.
+      const bool is_minimum =
+          is_last_accepted || largest(result.model.gradient, free) <= small_gradient;
+      result.stop = is_minimum ? LeastSquaresStop::kConverged : LeastSquaresStop::kNoDecrease;
       break;
     }
     const Result<double> objective = function.evaluate(x);
@@ -109,6 +115,7 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
     const double ratio =
         objective && expected > 0.0 ? (result.objective - *objective) / expected : -1.0;
     const bool is_accepted = ratio > kMinRatio;
+    is_last_accepted = is_accepted;
     const double shown = objective ? *objective : result.objective;
     result.history.push_back({shown, 0.0, length, damping, is_accepted, x});
     damping = next_damping(damping, ratio, scale);

@@ -68,9 +68,8 @@ Result<PreviewFit> fit_preview(const predict::FacePreview& preview,
   if (!wanted_mm.allFinite())
     return fail(ErrorCode::kInvalidArgument, "the wanted displacement is not finite");
   const auto count = Index(axes_L.size());
-  const VectorX first = along(axes_L, X_LB[segment].translation());
-  const VectorX lower = (VectorX::Constant(count, -kMaxFit_mm) - first).cwiseMin(0.0);
-  const VectorX upper = (VectorX::Constant(count, kMaxFit_mm) - first).cwiseMax(0.0);
+  const VectorX lower = VectorX::Constant(count, -kMaxFit_mm);
+  const VectorX upper = VectorX::Constant(count, kMaxFit_mm);
   FittedVertex vertex_at(preview, std::move(X_LB), segment, vertex, axes_L);
   VectorX s = VectorX::Zero(count);
   LEFORT_TRY(Vec3 u, vertex_at.at(s));

@@ -20,7 +20,7 @@ struct PreviewFit {
   bool is_at_limit = false;  ///< The translation is limited by kMaxFit_mm.
 };
 
-/// Max translation of the segment from its pose in the scan along each axis.
+/// Max translation of the segment from its present pose along each axis.
 inline constexpr double kMaxFit_mm = 20.0;
 
 /// Minimizes the distance along `axes_L` between the displacement of a vertex and the wanted one by

@@ -39,6 +39,8 @@ class Search {
            problem_.clearance.allowed_mm();
   }
   [[nodiscard]] Result<void> correct(LeastSquaresResult found);
+  void keep_bounds_of_result();
+  [[nodiscard]] Result<void> may_end(const Error& error, bool has_result) const;
   void note(const std::string& text) const {
     if (note_) note_(text);
   }
@@ -70,8 +72,8 @@ Result<VectorX> Search::find_feasible(const VectorX& start) const {
 
 /// The last point on the way from the anchor to x without too much overlap.
 VectorX Search::moved_back(const VectorX& x) {
-  if (is_feasible(x)) return x;
-  result_.is_limited_by_overlap = true;
+  result_.is_limited_by_overlap = !is_feasible(x);
+  if (!result_.is_limited_by_overlap) return x;
   double good = 0.0, bad = 1.0;
   for (int n = 0; n < kBisections; ++n) {
     const double middle = 0.5 * (good + bad);
@@ -106,23 +108,45 @@ Result<LeastSquaresResult> Search::minimize(const VectorX& from) {
   return found;
 }
 
+/// Ends the corrections without a result of the last one.
+/// \returns the error, unless a face was found before and a solve did not converge.
+Result<void> Search::may_end(const Error& error, bool has_result) const {
+  if (!has_result || error.code != ErrorCode::kNotConverged) return tl::unexpected(error);
+  note("a solve did not converge; the best result so far is kept: " + error.message);
+  return {};
+}
+
+/// A bound at which the last minimum of the coarse model lies is one of the result only if the
+/// result lies there, too.
+void Search::keep_bounds_of_result() {
+  const VectorX lower = problem_.variables.lower(), upper = problem_.variables.upper();
+  for (std::size_t i = 0; i < result_.at_lower.size(); ++i) {
+    result_.at_lower[i] = result_.at_lower[i] && result_.face.x[Index(i)] <= lower[Index(i)];
+    result_.at_upper[i] = result_.at_upper[i] && result_.face.x[Index(i)] >= upper[Index(i)];
+  }
+}
+
 Result<void> Search::correct(LeastSquaresResult found) {
   VectorX x = moved_back(found.x);
   std::optional<FaceAt> best;
   for (int n = 0; n < options_.max_corrections; ++n) {
     // The coarse face at x, from which the fine one differs.
-    LEFORT_TRY(const double coarse, objective_.evaluate(x));
+    const Result<double> coarse = objective_.evaluate(x);
+    if (!coarse) LEFORT_TRY_VOID(may_end(coarse.error(), best.has_value()));
+    if (!coarse) break;
     const FaceAt coarse_face = objective_.trial();
-    LEFORT_TRY(const double fine, fine_objective_->evaluate(x));
+    const Result<double> fine = fine_objective_->evaluate(x);
+    if (!fine) LEFORT_TRY_VOID(may_end(fine.error(), best.has_value()));
+    if (!fine) break;
     fine_objective_->accept();
     const FaceAt& fine_face = fine_objective_->present();
     const double step = result_.corrections.empty()
                             ? 0.0
                             : (x - result_.corrections.back().x).lpNorm<Eigen::Infinity>();
-    result_.corrections.push_back({x, coarse, fine, step});
+    result_.corrections.push_back({x, *coarse, *fine, step});
     note(fmt::format("fine model {}: objective {:.4g} mm^2, movement changed by {:.3f}", n + 1,
-                     fine, step));
-    if (!best || fine < best->objective) best = fine_face;
+                     *fine, step));
+    if (!best || *fine < best->objective) best = fine_face;
     std::vector<Vec3> correction_mm = objective_.correction_mm();
     for (std::size_t v = 0; v < correction_mm.size(); ++v)
       correction_mm[v] += fine_face.skin_mm[v] - coarse_face.skin_mm[v];
@@ -130,7 +154,7 @@ Result<void> Search::correct(LeastSquaresResult found) {
     LEFORT_TRY(found, minimize(x));
     const VectorX next = moved_back(found.x);
     if ((next - x).lpNorm<Eigen::Infinity>() <= options_.correction_tolerance) {
-      result_.converged = true;
+      result_.converged = found.stop == LeastSquaresStop::kConverged;
       break;
     }
     x = next;
@@ -151,12 +175,13 @@ Result<MotionResult> Search::run(const VectorX& start) {
     const VectorX x = moved_back(found.x);
     LEFORT_TRY([[maybe_unused]] const double value, objective_.evaluate(x));
     result_.face = objective_.trial();
-    result_.converged = found.stop != LeastSquaresStop::kTooManyIterations;
+    result_.converged = found.stop == LeastSquaresStop::kConverged;
     result_.at_lower = std::move(found.at_lower);
     result_.at_upper = std::move(found.at_upper);
   }
   result_.target_gradients = objective_.target_gradients();
   result_.directions = determined_motions(objective_.target_hessian());
+  keep_bounds_of_result();
   const std::vector<RigidTransform> X_LB = problem_.variables.poses(result_.face.x);
   result_.overlap = problem_.clearance.deepest(X_LB);
   result_.is_limited_by_overlap =

@@ -136,7 +136,7 @@ Result<void> UncertainCase::prepare(Progress& progress) {
   for (const io::InputFile& file :
        io::fingerprints(plan_text_, job_.plan).value_or(std::vector<io::InputFile>{}))
     key.add(file.name).add(file.sha256);
-  key.add(pipeline::as_json(entries_).dump()).add(double(job_.seed));
+  key.add(pipeline::as_json(entries_).dump()).add(std::to_string(job_.seed));
   store_ = SampleStore(job_.output / "samples", key.hex());
   return {};
 }
@@ -208,6 +208,7 @@ Result<void> UncertainCase::prepare_variants(std::span<const Index> samples, Pro
     if (made)
       variants_[key] = std::make_unique<FaceVariant>(*std::move(made));
     else if (made.error().code == ErrorCode::kCancelled ||
+             made.error().code == ErrorCode::kOutOfMemory ||
              made.error().code == ErrorCode::kFileUnwritable)
       return tl::unexpected(made.error());
     else
@@ -216,15 +217,19 @@ Result<void> UncertainCase::prepare_variants(std::span<const Index> samples, Pro
   return {};
 }
 
-SampleResult UncertainCase::solve_one(const FaceVariant& variant, Index sample, StartState start,
-                                      Progress& progress) const {
+Result<SampleResult> UncertainCase::solve_one(const FaceVariant& variant, Index sample,
+                                              StartState start, Progress& progress) const {
   const std::vector<double> values = values_of(sample);
   SampleResult result;
   Result<SampleSolution> solved = solve_sample(variant, inputs_.inputs, values, start, progress);
-  if (!solved && start == StartState::kNominal && !progress.stop_requested()) {
+  const auto is_transient = [&] {
+    return progress.stop_requested() || solved.error().code == ErrorCode::kOutOfMemory;
+  };
+  if (!solved && start == StartState::kNominal && !is_transient()) {
     result.is_from_rest = true;
     solved = solve_sample(variant, inputs_.inputs, values, StartState::kRest, progress);
   }
+  if (!solved && is_transient()) return tl::unexpected(solved.error());
   if (!solved) {
     result.failure = solved.error().message;
     return result;
@@ -274,10 +279,14 @@ Result<SolvedSamples> UncertainCase::solve(const std::string& kind, std::vector<
             result.failure = failed->second;
           else
             isolate([&] {
-              result = solve_one(variant ? *variant : *variants_.at(key), solved.numbers[n], start,
-                                 quiet);
+              Result<SampleResult> one = solve_one(variant ? *variant : *variants_.at(key),
+                                                   solved.numbers[n], start, quiet);
+              if (one)
+                result = *std::move(one);
+              else
+                written[begin + std::size_t(k)] = tl::unexpected(one.error());
             });
-          if (!quiet.stop_requested())
+          if (written[begin + std::size_t(k)] && !quiet.stop_requested())
             written[begin + std::size_t(k)] = store_.write(kind, solved.numbers[n], result);
         },
         1);

@@ -72,8 +72,8 @@ class UncertainCase {
   [[nodiscard]] Result<void> prepare_variants(std::span<const Index> samples, Progress& progress);
   [[nodiscard]] VariantKey key_of(Index sample) const;
   [[nodiscard]] std::vector<double> values_of(Index sample) const;
-  [[nodiscard]] SampleResult solve_one(const FaceVariant& variant, Index sample, StartState start,
-                                       Progress& progress) const;
+  [[nodiscard]] Result<SampleResult> solve_one(const FaceVariant& variant, Index sample,
+                                               StartState start, Progress& progress) const;
   [[nodiscard]] Result<SolvedSamples> solve(const std::string& kind, std::vector<Index> numbers,
                                             const FaceVariant* variant, StartState start,
                                             Progress& progress);

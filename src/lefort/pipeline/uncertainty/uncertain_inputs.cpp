@@ -68,11 +68,14 @@ Distribution truncated_normal(double mean, double deviation) {
           .high = mean + kDeviations * deviation};
 }
 
+bool has_procedure(const io::PlanFile& plan) {
+  return std::any_of(
+      plan.segments.begin(), plan.segments.end(),
+      [](const plan::PlannedSegment& segment) { return segment.osteotomy.procedure.has_value(); });
+}
+
 bool uses_landmarks(const io::PlanFile& plan) {
-  return !plan.landmarks.empty() && std::any_of(plan.segments.begin(), plan.segments.end(),
-                                                [](const plan::PlannedSegment& segment) {
-                                                  return segment.osteotomy.procedure.has_value();
-                                                });
+  return !plan.landmarks.empty() && has_procedure(plan);
 }
 
 /// Why a parameter has no effect on a plan; empty if it has.
@@ -85,6 +88,11 @@ std::string why_without_effect(const InputParameter& parameter, const io::PlanFi
   if (&parameter == &kInputParameters[kInputContact] &&
       plan.boundary.interface == predict::TissueInterface::kBonded)
     return "the interface bonded has no contact";
+  if (&parameter == &kInputParameters[kInputMargin] && !plan.boundary.elevation_margin_mm &&
+      is_clinical && has_procedure(plan))
+    return "the plan has no elevation margin: those of its procedures hold";
+  if (&parameter == &kInputParameters[kInputMargin] && plan.boundary.elevation_margin_mm == 0.0)
+    return "the elevation margin of the plan is 0";
   if (&parameter == &kInputParameters[kInputThreshold] && plan.labels)
     return "the plan names labels, so that the scan is not segmented";
   if (&parameter == &kInputParameters[kInputLandmarks] && !uses_landmarks(plan))
