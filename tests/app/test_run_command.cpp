@@ -318,7 +318,8 @@ TEST(RunCommand, ACaseThatFailsDoesNotStopTheOthers) {
   for (const char* name : {"case_01", "case_02"})
     fs::copy(cohort().path / name, input / name, fs::copy_options::recursive);
   json plan = json::parse(text_of(input / "case_01/plan.json"));
-  plan["solver"] = {{"max_iterations", 1}, {"relative_tolerance", 1e-12}};
+  plan["solver"] = {
+      {"max_iterations", 1}, {"relative_tolerance", 1e-12}, {"min_increment_ratio", 1.0}};
   ASSERT_TRUE(io::write_text(input / "case_01/plan.json", plan.dump()));
   fs::create_directories(input / "empty");
   const std::string command =

@@ -65,7 +65,8 @@ TEST_F(ParameterSets, ErrorsNameTheSetAndTheKeyAsThePlanReaderDoes) {
   says(error("a.json", sets(R"("x": {"ct": "a.nrrd"})")), "unknown key 'ct'");
   says(error("a.json", sets(R"("x": {"segmentation": {"labels": "a.seg.nrrd"}})")),
        "names the file a.seg.nrrd, must name none");
-  says(error("a.json", sets(R"("x y": {})")), "x y");
+  says(error("a.json", sets(R"("x y": {})")),
+       "the set \"x y\" must have a name of 1 to 40 letters");
   says(error("a.json", sets(R"("x": {}, "x": {})")), "x");
   says(error("a.json", sets("")), "sets");
   says(error("a.json", "{"), "a.json: ");

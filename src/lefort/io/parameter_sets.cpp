@@ -120,6 +120,22 @@ Result<std::pair<OrderedJson, std::vector<std::string>>> read_table(const std::s
   return std::pair(OrderedJson{{"lefort_parameter_sets", 1}, {"sets", sets}}, names);
 }
 
+/// Names are parts of folder names.
+Result<void> check_names(const std::string& json_text) {
+  constexpr std::size_t kMaxLength = 40;
+  const internal::Json json = internal::Json::parse(json_text, nullptr, false);
+  if (!json.is_object() || !json.contains("sets") || !json["sets"].is_object()) return {};
+  for (const auto& [name, set] : json["sets"].items())
+    if (name.empty() || name.size() > kMaxLength ||
+        !std::all_of(name.begin(), name.end(), [](char c) {
+          return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+        }))
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("the set \"{}\" must have a name of 1 to {} letters and digits", name,
+                              kMaxLength));
+  return {};
+}
+
 Result<std::vector<ParameterSet>> parse_sets(const fs::path& file, const std::string& text) {
   constexpr const char* kSubject = "the parameter sets";
   const bool is_table = file.extension() == ".csv";
@@ -130,6 +146,7 @@ Result<std::vector<ParameterSet>> parse_sets(const fs::path& file, const std::st
     json_text = table.first.dump();
     names = std::move(table.second);
   }
+  LEFORT_TRY_VOID(check_names(json_text));
   LEFORT_TRY(const internal::Json json,
              internal::parse_checked(json_text, kParameterSetsSchema, kSubject));
   if (!is_table)
