@@ -148,7 +148,7 @@ class Background {
 
 bool has_restart_file(const fs::path& output) {
   std::error_code error;
-  for (auto it = fs::recursive_directory_iterator(output / ".lefort/scratch", error), end = {};
+  for (fs::recursive_directory_iterator it(output / ".lefort/scratch", error);
        !error && it != fs::recursive_directory_iterator(); it.increment(error))
     if (it->path().filename().string().ends_with("steps.restart") &&
         !it->path().filename().string().starts_with('.'))
@@ -242,8 +242,9 @@ TEST(RunCommand, AKilledRunResumesAndGivesTheSameBytes) {
   for (const char* level : {"participant", "group"}) {
     const auto rest = test::run_lefort(run_all(output, level));
     ASSERT_EQ(rest.exit_code, 0) << rest.error;
-    if (level == std::string("participant"))
+    if (level == std::string("participant")) {
       EXPECT_NE(rest.error.find("computed by an earlier run"), std::string::npos) << rest.error;
+    }
   }
   expect_equal_results(finished(), output);
   EXPECT_TRUE(leftovers_in(output).empty()) << leftovers_in(output).front();
