@@ -64,6 +64,15 @@ void note_active_bounds(const VectorX& lower, const VectorX& upper, LeastSquares
   }
 }
 
+/// After a rejected point a step may be small because of the damping.
+LeastSquaresStop stop_of_small_step(const LeastSquaresResult& result,
+                                    const std::vector<Index>& free) {
+  const bool is_minimum = result.history.size() == 1 || result.history.back().is_accepted ||
+                          largest(result.model.gradient, free) <=
+                              kSmallGradient * result.history.front().projected_gradient;
+  return is_minimum ? LeastSquaresStop::kConverged : LeastSquaresStop::kNoDecrease;
+}
+
 bool is_final(ErrorCode code) {
   return code == ErrorCode::kCancelled || code == ErrorCode::kOutOfMemory;
 }
@@ -89,8 +98,6 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
                             .x = start});
   const double scale = std::max(result.model.hessian.diagonal().maxCoeff(), 1e-12);
   result.stop = LeastSquaresStop::kTooManyIterations;
-  const double small_gradient = kSmallGradient * largest(result.model.gradient, free);
-  bool is_last_accepted = true;
   for (int n = 0; n < options.max_iterations; ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "cancelled");
     if (free.empty() || largest(result.model.gradient, free) <= options.gradient_tolerance) {
@@ -104,10 +111,7 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
     const double expected =
         -(result.model.gradient.dot(step) + 0.5 * step.dot(result.model.hessian * step));
     if (length <= options.step_tolerance) {
-      // After rejected points the step is small because of the damping.
-      const bool is_minimum =
-          is_last_accepted || largest(result.model.gradient, free) <= small_gradient;
-      result.stop = is_minimum ? LeastSquaresStop::kConverged : LeastSquaresStop::kNoDecrease;
+      result.stop = stop_of_small_step(result, free);
       break;
     }
     const Result<double> objective = function.evaluate(x);
@@ -115,7 +119,6 @@ Result<LeastSquaresResult> minimize_least_squares(LeastSquaresFunction& function
     const double ratio =
         objective && expected > 0.0 ? (result.objective - *objective) / expected : -1.0;
     const bool is_accepted = ratio > kMinRatio;
-    is_last_accepted = is_accepted;
     const double shown = objective ? *objective : result.objective;
     result.history.push_back({shown, 0.0, length, damping, is_accepted, x});
     damping = next_damping(damping, ratio, scale);
