@@ -259,7 +259,9 @@ export class Client {
   }
 
   /** The translation of a segment that brings a point of the previewed skin to a wanted displacement. */
-  async previewFit(request: Omit<Schemas['PreviewFitRequest'], 'poses'> & { poses: Poses }): Promise<Schemas['PreviewFit']> {
+  async previewFit(
+    request: Omit<Schemas['PreviewFitRequest'], 'poses'> & { poses: Poses },
+  ): Promise<Schemas['PreviewFit']> {
     return parse('PreviewFit', await (await this.json('POST', '/preview/fit', request)).json());
   }
 

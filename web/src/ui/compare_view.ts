@@ -1,4 +1,14 @@
-import { IDENTITY, lengths, midsagittalX, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
+import {
+  IDENTITY,
+  lengths,
+  midsagittalX,
+  roundUp,
+  sectionOf,
+  segmentColor,
+  SKIN,
+  type Mat4,
+  type Vec3,
+} from '../model';
 import type { View3d } from '../scene';
 import type { App } from './app';
 import { saveBlob } from './download';
