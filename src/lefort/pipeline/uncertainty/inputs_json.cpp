@@ -102,7 +102,8 @@ Result<std::vector<InputEntry>> read_inputs(const std::filesystem::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
   LEFORT_TRY_VOID(io::validate_json(text, io::kUncertainInputsSchema, "uncertain inputs"));
   std::vector<InputEntry> entries;
-  for (const Json& one : Json::parse(text).at("inputs")) {
+  const Json json = Json::parse(text);
+  for (const Json& one : json.at("inputs")) {
     InputEntry entry;
     const auto name = one.at("parameter").get<std::string>();
     for (const InputParameter& parameter : input_parameters())
