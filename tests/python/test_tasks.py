@@ -137,7 +137,7 @@ def test_errors_have_their_class_and_leave_no_folder(head, tmp_path):
         planes=(lefort.CutPlane(point_mm=(0, -90, 0), towards_segment=(0, -1, 0)),))),))
     with pytest.raises((lefort.CutMissesBone, lefort.MeshInvalid)):
         lefort.predict(missing, ct=head, output=tmp_path / "c")
-    hard = small_plan(12.0, 1).replace(solver=lefort.Solver(max_iterations=1, min_increment_ratio=1))
+    hard = small_plan(12.0, 4).replace(solver=lefort.Solver(max_iterations=1, min_increment_ratio=1))
     with pytest.raises(lefort.NotConverged):
         lefort.predict(hard, ct=head, output=tmp_path / "d", pictures=False)
     with pytest.raises(lefort.NotConverged):
