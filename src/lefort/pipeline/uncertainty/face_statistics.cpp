@@ -167,6 +167,20 @@ CorrectionStatistics describe_correction(const FaceStatistics& all, const BandMe
   return found;
 }
 
+/// Removes the dependence of a mode on the inputs if the mean of the samples predicts a sample that
+/// was left out as well: few samples then show no dependence.
+void keep_what_predicts(FittedField& correction) {
+  const Index count = correction.cv_errors.rows();
+  for (Index k = 0; k < correction.cv_errors.cols(); ++k) {
+    // Scores have the mean 0; that of the others is -score / (count - 1).
+    const VectorX of_mean =
+        -correction.modes.scores.col(k) * double(count) / double(std::max<Index>(1, count - 1));
+    if (correction.cv_errors.col(k).squaredNorm() < of_mean.squaredNorm()) continue;
+    correction.cv_errors.col(k) = of_mean;
+    correction.surrogate.coefficients.col(k).setZero();
+  }
+}
+
 /// Fits the correction to the differences of fine and coarse samples with the same numbers.
 void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
                     const SolvedSamples& fine, const BandMeasure& measure, FaceStatistics& all) {
@@ -189,6 +203,7 @@ void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
   all.correction = uncertainty::fit_field(
       chaos_inputs(face.inputs().inputs), points, differences, face.skin().area_mm2,
       {.variance_fraction = 0.99, .basis = {.max_degree = 1}, .folds = Index(rows.size())});
+  keep_what_predicts(*all.correction);
   all.total = uncertainty::add(all.coarse.surrogate, all.correction->surrogate);
   all.correction_results = describe_correction(all, measure, differences, rough);
 }
