@@ -26,11 +26,59 @@ endfunction()
 # apart: g++ searches the aliases of `double` one by one, so that its time grows with the square of their
 # number in a unit. Names in anonymous namespaces must therefore differ within a
 # layer. -Wsubobject-linkage takes every included source for a header; it stays on without unity builds.
+#
+# CMake's own unity sources name ours by absolute paths; these by paths below the root, so that ccache finds the
+# objects of another clone.
 function(lefort_unity target batch)
   if(LEFORT_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+    # At the end of the folder, when all properties of its sources are set.
+    cmake_language(EVAL CODE "cmake_language(DEFER CALL lefort_write_units ${target} ${batch})")
   endif()
+endfunction()
+
+# lefort_write_units(target batch): compiles the sources of a target in units of `batch`, apart by UNITY_GROUP. Sources
+# with SKIP_UNITY_BUILD_INCLUSION or with options of their own are compiled alone.
+function(lefort_write_units target batch)
+  get_target_property(sources ${target} SOURCES)
+  set(groups "")
+  foreach(source IN LISTS sources)
+    get_source_file_property(skip ${source} SKIP_UNITY_BUILD_INCLUSION)
+    get_source_file_property(options ${source} COMPILE_OPTIONS)
+    get_source_file_property(group ${source} UNITY_GROUP)
+    if(skip OR options OR NOT source MATCHES "\\.cpp$")
+      continue()
+    endif()
+    if(NOT group)
+      set(group sources)
+    endif()
+    list(APPEND groups ${group})
+    list(APPEND sources_of_${group} ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES groups)
+  foreach(group IN LISTS groups)
+    set(rest ${sources_of_${group}})
+    set(number 0)
+    while(rest)
+      list(SUBLIST rest 0 ${batch} unit)
+      list(REMOVE_ITEM rest ${unit})
+      lefort_write_unit(${target} ${CMAKE_CURRENT_BINARY_DIR}/units/${target}_${group}_${number}.cpp ${unit})
+      math(EXPR number "${number} + 1")
+    endwhile()
+  endforeach()
+endfunction()
+
+function(lefort_write_unit target file)
+  set(content "")
+  foreach(source IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE path)
+    cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    string(APPEND content "#include \"${path}\"\n")
+    set_source_files_properties(${source} PROPERTIES HEADER_FILE_ONLY ON)
+  endforeach()
+  file(CONFIGURE OUTPUT ${file} CONTENT "${content}" @ONLY)
+  target_sources(${target} PRIVATE ${file})
 endfunction()
 
 # Commands, HTTP, files and what prepares a solve: -O2 and -O3 cost a quarter more to compile and gain nothing.
