@@ -115,6 +115,57 @@ TEST(ObserveFace, TheWeightOfATargetDoesNotDependOnItsNumberOfPoints) {
   EXPECT_NEAR(objective_mm2(a.observe(u)), objective_mm2(b.observe(u)), 1e-12);
 }
 
+TEST(ObserveFace, TheObjectiveDoesNotFallWhereSkinLeavesATarget) {
+  const FaceObserver observer = observer_of(all_kinds()).value();
+  const geometry::TriangleMesh& skin = observer.skin_L();
+  const std::vector<Vec3> near(skin.vertices.size(), Vec3::Zero());
+  const std::vector<Vec3> far(skin.vertices.size(), Vec3(200, 0, 0));
+  const auto at_rest = observer.observe(near), away = observer.observe(far);
+  ASSERT_EQ(at_rest.size(), away.size());
+  const auto residuals = residuals_by_target(away, 4);
+  EXPECT_DOUBLE_EQ(residuals[2].rms_mm, FaceObserver::kMaxMotion_mm);  // No skin on the rays.
+  EXPECT_NEAR(residuals[3].rms_mm, SurfaceTarget{}.max_distance_mm, 1e-9);
+  for (std::size_t i = 0; i < away.size(); ++i)
+    EXPECT_TRUE(away[i].target < 2 || away[i].gradient[0].norm() == 0.0) << i;
+  EXPECT_GT(objective_mm2(away), objective_mm2(at_rest));
+}
+
+TEST(ObserveFace, TheBorderOfAnOpenSurfaceDoesNotAttract) {
+  FaceTarget target;
+  geometry::TriangleMesh front = test::make_icosphere(kRadius_mm + 2.0, 4);
+  std::erase_if(front.triangles, [&](const geometry::Triangle& t) {
+    return std::any_of(t.begin(), t.end(),
+                       [&](std::int32_t v) { return front.vertices[std::size_t(v)].y() > -8.0; });
+  });
+  target.surfaces = {{.name = "front",
+                      .surface_L = front,
+                      .region_L = Box3(Vec3(-45, -45, -45), Vec3(45, 0, 45))}};
+  const FaceObserver observer = observer_of(target).value();
+  const auto at =
+      observer.observe(std::vector<Vec3>(observer.skin_L().vertices.size(), Vec3::Zero()));
+  // Between the front and the region's end at y = 0 the closest point is the border.
+  double share = 0.0;
+  for (const Observation& one : at) {
+    EXPECT_LT(one.at_L.y(), -5.0);
+    EXPECT_NEAR(one.residual_mm, -2.0, 0.1);
+    share += one.share;
+  }
+  EXPECT_NEAR(share, 1.0, 1e-12);
+}
+
+TEST(ObserveFace, ATargetOfWeightZeroIsMeasured) {
+  FaceTarget target = all_kinds();
+  target.landmarks[1].weight = 0.0;
+  const FaceObserver observer = observer_of(target).value(),
+                     weighted = observer_of(all_kinds()).value();
+  const std::vector<Vec3> u = displaced(observer.skin_L());
+  const auto rms = [&](const FaceObserver& by) {
+    return residuals_by_target(by.observe(u), 4)[1].rms_mm;
+  };
+  EXPECT_GT(rms(observer), 0.5);
+  EXPECT_DOUBLE_EQ(rms(observer), rms(weighted));
+}
+
 TEST(ObserveFace, TargetsThatDoNotFitThePatientAreErrors) {
   const auto error_of = [](FaceTarget target, char is_moved = 1) {
     const auto observer = observer_of(std::move(target), is_moved);

@@ -239,5 +239,21 @@ TEST(OptimizeMotion, BitsDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(x[0], x[1]);
 }
 
+TEST(BoneClearance, AnOverlapBeyondTheRangeOfTheFieldIsNeverWithinTheLimit) {
+  const Bones bones;
+  const auto at = [&](double y_mm, double allowed_mm) {
+    const BoneClearance clearance = bones.clearance(allowed_mm);
+    RigidTransform X_LB = RigidTransform::Identity();
+    X_LB.translation() = Vec3(0, y_mm, 0);
+    const std::vector<RigidTransform> poses{X_LB};
+    const DeepestOverlap overlap = clearance.deepest(poses);
+    return std::pair{overlap.is_lower_bound, clearance.is_within(overlap)};
+  };
+  EXPECT_EQ(at(0.5, 0.2), std::pair(false, true));
+  EXPECT_EQ(at(1.5, 0.2), std::pair(false, false));  // 0.5 mm deep.
+  EXPECT_EQ(at(1.5, 0.6), std::pair(false, true));
+  EXPECT_EQ(at(4.5, 100.0), std::pair(true, false));  // 3.5 mm, at the middle of 7 mm.
+}
+
 }  // namespace
 }  // namespace lefort::inverse::test_optimize_motion

@@ -62,8 +62,10 @@ DeepestOverlap BoneClearance::deepest(std::span<const RigidTransform> X_LB) cons
           {bones_[a].surface_B, {bones_[a].distance_query_B, pose(a, X_LB)}},
           {bones_[b].surface_B, {bones_[b].distance_query_B, pose(b, X_LB)}},
           std::min(bones_[a].cell_mm, bones_[b].cell_mm));
-      if (overlap.deepest_mm > deepest.depth_mm)
-        deepest = {overlap.deepest_mm, bones_[a].name, bones_[b].name};
+      if (overlap.deepest_mm > deepest.depth_mm ||
+          (overlap.depth_is_lower_bound && !deepest.is_lower_bound))
+        deepest = {overlap.deepest_mm, overlap.depth_is_lower_bound || deepest.is_lower_bound,
+                   bones_[a].name, bones_[b].name};
     }
   return deepest;
 }

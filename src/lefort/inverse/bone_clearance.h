@@ -26,7 +26,8 @@ struct OverlapRow {
 /// The deepest overlap of two bones.
 struct DeepestOverlap {
   double depth_mm = 0.0;
-  std::string first, second;  ///< Names; empty without overlap.
+  bool is_lower_bound = false;  ///< Deeper than the range of a distance query.
+  std::string first, second;    ///< Names; empty without overlap.
 };
 
 class BoneClearance {
@@ -43,6 +44,12 @@ class BoneClearance {
   /// \returns the vertices deeper than kThreshold of the limit, in a fixed order.
   [[nodiscard]] std::vector<OverlapRow> rows(std::span<const RigidTransform> X_LB,
                                              std::span<const predict::PoseRate> rates) const;
+
+  /// Whether no overlap is deeper than the limit. An overlap beyond the range of a distance query
+  /// is, whatever the limit.
+  [[nodiscard]] bool is_within(const DeepestOverlap& overlap) const {
+    return !overlap.is_lower_bound && overlap.depth_mm <= allowed_mm_;
+  }
 
   /// Deepest overlap of all pairs by contact::measure_overlap(), which also tests edges.
   [[nodiscard]] DeepestOverlap deepest(std::span<const RigidTransform> X_LB) const;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace lefort::inverse {
@@ -22,6 +23,30 @@ Vec3 weights_at(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double beta = (p - a).cross(c - a).dot(normal) / squared;
   const double gamma = (b - a).cross(p - a).dot(normal) / squared;
   return {1.0 - beta - gamma, beta, gamma};
+}
+
+/// Vertices on an edge of one triangle only.
+std::vector<char> border_vertices(const geometry::TriangleMesh& mesh) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> uses;
+  for (const geometry::Triangle& t : mesh.triangles)
+    for (std::size_t n = 0; n < 3; ++n) ++uses[std::minmax({t[n], t[(n + 1) % 3]})];
+  std::vector<char> is_border(mesh.vertices.size(), 0);
+  for (const auto& [edge, count] : uses)
+    if (count == 1) is_border[std::size_t(edge.first)] = is_border[std::size_t(edge.second)] = 1;
+  return is_border;
+}
+
+/// Whether a closest point lies on a vertex of the border or on an edge between two.
+bool is_on_border(const geometry::TriangleMesh& mesh, const std::vector<char>& is_border,
+                  const geometry::SurfacePoint& nearest) {
+  constexpr double kOnEdge = 1e-9;  // Barycentric coordinate.
+  const geometry::Triangle& t = mesh.triangles[std::size_t(nearest.triangle)];
+  const auto at = [&](std::size_t n) { return mesh.vertices[std::size_t(t[n])]; };
+  const Vec3 weights = weights_at(nearest.point, at(0), at(1), at(2));
+  for (std::size_t n = 0; n < 3; ++n)
+    if (is_border[std::size_t(t[n])] == 0 && weights[Index(n)] > kOnEdge) return false;
+  return is_border[std::size_t(t[0])] != 0 || is_border[std::size_t(t[1])] != 0 ||
+         is_border[std::size_t(t[2])] != 0;
 }
 
 auto invalid(std::string message) { return fail(ErrorCode::kInvalidArgument, std::move(message)); }
@@ -114,32 +139,40 @@ Result<void> FaceObserver::choose_vertices(std::span<const char> is_moved) {
     const double third_mm2 = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 6.0;
     for (const std::int32_t v : t) areas_mm2[std::size_t(v)] += third_mm2;
   }
-  for (const SurfaceTarget& of : target_.surfaces) {
-    if (of.surface_L.triangles.empty())
-      return invalid(fmt::format("surface {} has no triangles", of.name));
-    surfaces_.emplace_back(of.surface_L);
-    auto& vertices = surface_vertices_.emplace_back();
-    auto& areas = surface_areas_mm2_.emplace_back();
-    double all_mm2 = 0.0, near_mm2 = 0.0;
-    for (std::size_t v = 0; v < skin_L_.vertices.size(); ++v) {
-      if (is_moved[v] == 0 || (of.region_L && !of.region_L->contains(skin_L_.vertices[v])))
-        continue;
-      vertices.push_back(std::int32_t(v));
-      areas.push_back(areas_mm2[v]);
-      all_mm2 += areas_mm2[v];
-      if (surfaces_.back().closest_point(skin_L_.vertices[v], of.max_distance_mm))
-        near_mm2 += areas_mm2[v];
-    }
-    if (!(all_mm2 > 0.0))
-      return invalid(
-          fmt::format("surface {}: no skin that a segment can move lies in its region", of.name));
-    if (near_mm2 < kMinOverlap * all_mm2)
-      return invalid(fmt::format(
-          "surface {} is close to {:.0f} % of the skin in its region only: is it of another "
-          "patient "
-          "or in another frame? At least {:.0f} % must lie within {:g} mm of it",
-          of.name, 100.0 * near_mm2 / all_mm2, 100.0 * kMinOverlap, of.max_distance_mm));
+  for (const SurfaceTarget& of : target_.surfaces)
+    LEFORT_TRY_VOID(choose_vertices(of, is_moved, areas_mm2));
+  return {};
+}
+
+Result<void> FaceObserver::choose_vertices(const SurfaceTarget& of, std::span<const char> is_moved,
+                                           std::span<const double> areas_mm2) {
+  if (of.surface_L.triangles.empty())
+    return invalid(fmt::format("surface {} has no triangles", of.name));
+  const geometry::Bvh& surface = surfaces_.emplace_back(of.surface_L);
+  const std::vector<char> is_border = border_vertices(surface.mesh());
+  auto& vertices = surface_vertices_.emplace_back();
+  auto& shares = surface_shares_.emplace_back();
+  double all_mm2 = 0.0, near_mm2 = 0.0, chosen_mm2 = 0.0;
+  for (std::size_t v = 0; v < skin_L_.vertices.size(); ++v) {
+    if (is_moved[v] == 0 || (of.region_L && !of.region_L->contains(skin_L_.vertices[v]))) continue;
+    all_mm2 += areas_mm2[v];
+    const auto nearest = surface.closest_point(skin_L_.vertices[v], of.max_distance_mm);
+    if (!nearest) continue;
+    near_mm2 += areas_mm2[v];
+    if (is_on_border(surface.mesh(), is_border, *nearest)) continue;
+    vertices.push_back(std::int32_t(v));
+    shares.push_back(areas_mm2[v]);
+    chosen_mm2 += areas_mm2[v];
   }
+  if (!(all_mm2 > 0.0))
+    return invalid(
+        fmt::format("surface {}: no skin that a segment can move lies in its region", of.name));
+  if (near_mm2 < kMinOverlap * all_mm2 || !(chosen_mm2 > 0.0))
+    return invalid(fmt::format(
+        "surface {} is close to {:.0f} % of the skin in its region only: is it of another patient "
+        "or in another frame? At least {:.0f} % must lie within {:g} mm of it",
+        of.name, 100.0 * near_mm2 / all_mm2, 100.0 * kMinOverlap, of.max_distance_mm));
+  for (double& share : shares) share /= chosen_mm2;
   return {};
 }
 
@@ -205,9 +238,17 @@ void FaceObserver::observe_landmarks(std::span<const Vec3> displacement_mm,
 void FaceObserver::observe_profile(std::size_t profile, std::span<const Vec3> displacement_mm,
                                    std::vector<Observation>& all) const {
   const ProfileTarget& of = target_.profiles[profile];
-  std::vector<std::optional<Observation>> found(of.points.size());
+  const std::size_t first_one = all.size();
+  const double share = 1.0 / double(of.points.size());
+  all.resize(first_one + of.points.size());
   parallel_for(Index(of.points.size()), [&](Index i) {
     const ProfilePoint& point = of.points[std::size_t(i)];
+    Observation& one = all[first_one + std::size_t(i)];
+    one = {.residual_mm = kMaxMotion_mm,
+           .weight = of.weight * share,
+           .share = share,
+           .target = anchors_.size() + profile,
+           .at_L = Vec3(of.x_mm, point.y_mm, point.z_mm)};
     const auto hit = hit_at(displacement_mm, profile_triangles_[profile], of.x_mm, point.z_mm);
     if (!hit) return;
     const geometry::Triangle& corners = skin_L_.triangles[std::size_t(hit->triangle)];
@@ -215,49 +256,38 @@ void FaceObserver::observe_profile(std::size_t profile, std::span<const Vec3> di
     const Vec3 normal = (position(corners[1], displacement_mm) - first)
                             .cross(position(corners[2], displacement_mm) - first);
     if (normal.y() == 0.0) return;
-    Observation one{.residual_mm = hit->y_mm - point.y_mm,
-                    .weight = of.weight / double(of.points.size()),
-                    .target = anchors_.size() + profile,
-                    .at_L = Vec3(of.x_mm, hit->y_mm, point.z_mm),
-                    .vertices = corners};
+    one.residual_mm = hit->y_mm - point.y_mm;
+    one.at_L.y() = hit->y_mm;
+    one.vertices = corners;
     for (Index n = 0; n < 3; ++n)
       one.gradient[std::size_t(n)] = hit->weights[n] / normal.y() * normal;
-    found[std::size_t(i)] = one;
   });
-  for (const auto& one : found)
-    if (one) all.push_back(*one);
 }
 
 void FaceObserver::observe_surface(std::size_t surface, std::span<const Vec3> displacement_mm,
                                    std::vector<Observation>& all) const {
   const SurfaceTarget& of = target_.surfaces[surface];
   const std::vector<std::int32_t>& vertices = surface_vertices_[surface];
-  std::vector<std::optional<Observation>> found(vertices.size());
+  const std::size_t first_one = all.size();
+  all.resize(first_one + vertices.size());
   parallel_for(Index(vertices.size()), [&](Index i) {
     const std::int32_t v = vertices[std::size_t(i)];
-    const Vec3 p = position(v, displacement_mm);
-    if (!surfaces_[surface].closest_point(p, of.max_distance_mm)) return;
-    const geometry::SignedDistance at = surfaces_[surface].signed_distance(p);
+    const double share = surface_shares_[surface][std::size_t(i)];
+    Observation& one = all[first_one + std::size_t(i)];
+    one = {.residual_mm = of.max_distance_mm,
+           .weight = of.weight * share,
+           .share = share,
+           .target = anchors_.size() + target_.profiles.size() + surface,
+           .at_L = position(v, displacement_mm),
+           .vertices = {v, v, v}};
+    if (!surfaces_[surface].closest_point(one.at_L, of.max_distance_mm)) return;
+    const geometry::SignedDistance at = surfaces_[surface].signed_distance(one.at_L);
     constexpr double kOnSurface_mm = 1e-9;
-    const Vec3 gradient = std::abs(at.distance_mm) > kOnSurface_mm
-                              ? Vec3((p - at.nearest.point) / at.distance_mm)
-                              : at.pseudonormal.normalized();
-    found[std::size_t(i)] =
-        Observation{.residual_mm = at.distance_mm,
-                    .weight = surface_areas_mm2_[surface][std::size_t(i)],
-                    .target = anchors_.size() + target_.profiles.size() + surface,
-                    .at_L = p,
-                    .vertices = {v, v, v},
-                    .gradient = {gradient, Vec3::Zero(), Vec3::Zero()}};
+    one.residual_mm = at.distance_mm;
+    one.gradient[0] = std::abs(at.distance_mm) > kOnSurface_mm
+                          ? Vec3((one.at_L - at.nearest.point) / at.distance_mm)
+                          : at.pseudonormal.normalized();
   });
-  double area_mm2 = 0.0;
-  for (const auto& one : found)
-    if (one) area_mm2 += one->weight;
-  for (auto& one : found)
-    if (one) {
-      one->weight *= of.weight / area_mm2;
-      all.push_back(*one);
-    }
 }
 
 std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacement_mm) const {
@@ -274,7 +304,7 @@ std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacemen
 std::vector<TargetResidual> residuals_by_target(std::span<const Observation> observations,
                                                 std::size_t target_count) {
   std::vector<TargetResidual> all(target_count);
-  std::vector<double> weights(target_count, 0.0), squares(target_count, 0.0);
+  std::vector<double> shares(target_count, 0.0), squares(target_count, 0.0);
   for (std::size_t i = 0; i < observations.size(); i += std::size_t(observations[i].components)) {
     const Observation& first = observations[i];
     TargetResidual& of = all[first.target];
@@ -282,12 +312,12 @@ std::vector<TargetResidual> residuals_by_target(std::span<const Observation> obs
     for (std::size_t c = 0; c < std::size_t(first.components); ++c)
       squared += observations[i + c].residual_mm * observations[i + c].residual_mm;
     ++of.count;
-    weights[first.target] += first.weight;
-    squares[first.target] += first.weight * squared;
+    shares[first.target] += first.share;
+    squares[first.target] += first.share * squared;
     of.max_mm = std::max(of.max_mm, std::sqrt(squared));
   }
   for (std::size_t k = 0; k < target_count; ++k)
-    if (weights[k] > 0.0) all[k].rms_mm = std::sqrt(squares[k] / weights[k]);
+    if (shares[k] > 0.0) all[k].rms_mm = std::sqrt(squares[k] / shares[k]);
   return all;
 }
 

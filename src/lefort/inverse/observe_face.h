@@ -9,7 +9,12 @@
 ///   If the triangle with normal n is hit at coordinates b and its vertices move by d_i, the hit
 ///   moves along the ray e by n . sum b_i d_i / (n . e);
 /// - surface: signed distance of a vertex to the closest point of the target; its derivative is
-///   the unit vector from that point (\cite baerentzen2005).
+///   the unit vector from that point (\cite baerentzen2005). Only vertices count whose closest
+///   point at rest is near and not on the border of the target. The residual is truncated at
+///   `max_distance_mm`, where its derivative is zero, so that the objective does not fall when a
+///   vertex leaves the target.
+///
+/// A point of a profile that the skin has left has the residual kMaxMotion_mm without derivative.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -30,7 +35,8 @@ namespace lefort::inverse {
 /// One residual.
 struct Observation {
   double residual_mm = 0.0;  ///< Reached minus wanted.
-  double weight = 0.0;       ///< Of its square in 2 J, >= 0.
+  double weight = 0.0;       ///< Of its square in 2 J, >= 0: that of the target times the share.
+  double share = 1.0;        ///< In the mean square of the target.
   std::size_t target = 0;    ///< Number of FaceTarget::name().
   int components = 1;        ///< 3: this and two neighbors are components of one vector.
   Vec3 at_L = Vec3::Zero();  ///< Where it is measured [mm].
@@ -56,8 +62,7 @@ class FaceObserver {
                                                    FaceTarget target);
 
   /// \param displacement_mm  of each vertex.
-  /// \returns the residuals of all targets, in their order. Points of a profile without skin, and
-  ///   vertices too far from a surface, have none.
+  /// \returns the residuals of all targets, in their order; always the same number.
   [[nodiscard]] std::vector<Observation> observe(std::span<const Vec3> displacement_mm) const;
 
   /// \returns y of the profile of the face at each height, or nothing without skin there.
@@ -98,6 +103,9 @@ class FaceObserver {
   [[nodiscard]] Result<void> anchor_landmarks(std::span<const char> is_moved);
   [[nodiscard]] Result<void> check_profiles(std::span<const char> is_moved);
   [[nodiscard]] Result<void> choose_vertices(std::span<const char> is_moved);
+  [[nodiscard]] Result<void> choose_vertices(const SurfaceTarget& of,
+                                             std::span<const char> is_moved,
+                                             std::span<const double> areas_mm2);
   [[nodiscard]] std::vector<std::int32_t> triangles_near(double x_mm) const;
   [[nodiscard]] std::optional<Hit> hit_at(std::span<const Vec3> displacement_mm,
                                           std::span<const std::int32_t> triangles, double x_mm,
@@ -108,7 +116,7 @@ class FaceObserver {
   std::vector<Anchor> anchors_;
   std::vector<std::vector<std::int32_t>> profile_triangles_;  ///< Of each profile.
   std::vector<std::vector<std::int32_t>> surface_vertices_;   ///< Of each surface.
-  std::vector<std::vector<double>> surface_areas_mm2_;        ///< Of these vertices.
+  std::vector<std::vector<double>> surface_shares_;           ///< Of these vertices; sum 1.
   std::vector<geometry::Bvh> surfaces_;
 };
 

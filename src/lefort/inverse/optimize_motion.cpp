@@ -35,8 +35,7 @@ class Search {
   [[nodiscard]] Result<void> check_gradient(const VectorX& start);
   [[nodiscard]] VectorX moved_back(const VectorX& x);
   [[nodiscard]] bool is_feasible(const VectorX& x) const {
-    return problem_.clearance.deepest(problem_.variables.poses(x)).depth_mm <=
-           problem_.clearance.allowed_mm();
+    return problem_.clearance.is_within(problem_.clearance.deepest(problem_.variables.poses(x)));
   }
   [[nodiscard]] Result<void> correct(LeastSquaresResult found);
   void keep_bounds_of_result();
@@ -64,10 +63,10 @@ Result<VectorX> Search::find_feasible(const VectorX& start) const {
     if (is_feasible(x)) return x;
   const DeepestOverlap overlap = problem_.clearance.deepest(variables.poses(variables.start()));
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} and {} overlap by {:.2f} mm in the given plan, and also without "
+              fmt::format("{} and {} overlap by {}{:.2f} mm in the given plan, and also without "
                           "movement; limits.overlap_mm is {:g} mm",
-                          overlap.first, overlap.second, overlap.depth_mm,
-                          problem_.clearance.allowed_mm()));
+                          overlap.first, overlap.second, overlap.is_lower_bound ? "more than " : "",
+                          overlap.depth_mm, problem_.clearance.allowed_mm()));
 }
 
 /// The last point on the way from the anchor to x without too much overlap.

@@ -61,6 +61,13 @@ struct FaceTarget {
     return target < profiles.size() ? profiles[target].name
                                     : surfaces[target - profiles.size()].name;
   }
+  /// w of a target, in the same order.
+  [[nodiscard]] double weight(std::size_t target) const {
+    if (target < landmarks.size()) return landmarks[target].weight;
+    target -= landmarks.size();
+    return target < profiles.size() ? profiles[target].weight
+                                    : surfaces[target - profiles.size()].weight;
+  }
 };
 
 }  // namespace lefort::inverse

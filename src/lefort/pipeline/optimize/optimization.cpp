@@ -119,8 +119,10 @@ std::vector<TargetResult> target_results(const Optimization& done) {
   for (std::size_t k = 0; k < count; ++k) {
     TargetResult& one = results.emplace_back(
         TargetResult{done.observer.target().name(k), before[k], reached[k], false, {}});
-    one.is_reached = reached[k].count > 0 && reached[k].rms_mm <= kReached_mm;
-    if (!one.is_reached) one.reason = reason_of(done, k);
+    const bool counts = done.observer.target().weight(k) > 0.0;
+    one.is_reached = counts && reached[k].rms_mm <= kReached_mm;
+    if (!one.is_reached)
+      one.reason = counts ? reason_of(done, k) : "its weight is 0: it was not a target";
   }
   return results;
 }
@@ -160,6 +162,7 @@ Json optimize_json(const Optimization& done) {
                        {"reason", one.is_reached ? Json(nullptr) : Json(one.reason)}});
   json["overlap"] = {{"allowed_mm", done.allowed_overlap_mm},
                      {"deepest_mm", result.overlap.depth_mm},
+                     {"depth_is_lower_bound", result.overlap.is_lower_bound},
                      {"limits", result.is_limited_by_overlap}};
   json["gradient_check"] =
       result.gradient_error ? Json{{"relative_difference", *result.gradient_error}} : Json(nullptr);

@@ -282,7 +282,8 @@ report::CaseReport optimization_report(const Optimization& done,
       {"objective before and after", fmt::format("{:.3f} and {:.3f} mm\u00b2", done.start_objective,
                                                  inverse::objective_mm2(done.certified))},
       {"deepest bone overlap",
-       fmt::format("{:.2f} of {:g} mm", result.overlap.depth_mm, done.allowed_overlap_mm)}};
+       fmt::format("{}{:.2f} of {:g} mm", result.overlap.is_lower_bound ? "more than " : "",
+                   result.overlap.depth_mm, done.allowed_overlap_mm)}};
   report.tables = {target_table(done), movement_table(done), direction_table(done)};
   const Box3 skin_L = geometry::bounding_box(done.prepared.skin_L);
   for (const inverse::ProfileTarget& profile : done.observer.target().profiles)
