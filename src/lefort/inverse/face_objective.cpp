@@ -5,6 +5,16 @@
 #include <utility>
 
 namespace lefort::inverse {
+namespace {
+
+/// Relative to the largest component, or to `smallest` if that is larger: the round-off of a part
+/// that is zero is no error.
+double relative_difference(const VectorX& gradient, const VectorX& differences, double smallest) {
+  const double scale = std::max(differences.lpNorm<Eigen::Infinity>(), smallest);
+  return scale > 0.0 ? (gradient - differences).lpNorm<Eigen::Infinity>() / scale : 0.0;
+}
+
+}  // namespace
 
 FaceObjective::FaceObjective(LiveFace& face, const MotionProblem& problem, predict::FaceState start,
                              Progress& progress)
@@ -78,18 +88,22 @@ Result<QuadraticModel> FaceObjective::linearize() {
 
 Result<double> FaceObjective::gradient_error(const VectorX& gradient, double step) {
   LEFORT_CHECK(present_ && step > 0.0);
-  VectorX differences(gradient.size());
+  const VectorX of_targets = target_gradients_.colwise().sum();
+  VectorX target_differences(gradient.size()), other_differences(gradient.size());
   for (Index n = 0; n < gradient.size(); ++n) {
     VectorX low = present_->x, high = present_->x;
     low[n] -= step;
     high[n] += step;
     LEFORT_TRY(const FaceAt before, solve(low, present_->state));
     LEFORT_TRY(const FaceAt after, solve(high, present_->state));
-    differences[n] = (after.objective - before.objective) / (2.0 * step);
+    target_differences[n] = (after.target_objective - before.target_objective) / (2.0 * step);
+    other_differences[n] =
+        (after.objective - before.objective) / (2.0 * step) - target_differences[n];
   }
-  const double scale = differences.lpNorm<Eigen::Infinity>();
-  if (scale == 0.0) return gradient.lpNorm<Eigen::Infinity>();
-  return (gradient - differences).lpNorm<Eigen::Infinity>() / scale;
+  constexpr double kSmallest = 1e-3;  // Of the whole gradient.
+  const double smallest = kSmallest * gradient.lpNorm<Eigen::Infinity>();
+  return std::max(relative_difference(of_targets, target_differences, 0.0),
+                  relative_difference(gradient - of_targets, other_differences, smallest));
 }
 
 }  // namespace lefort::inverse

@@ -79,9 +79,12 @@ class FaceObjective final : public LeastSquaresFunction {
   /// Gradient of the part of J of each target at the last linearize(); one row for each target.
   [[nodiscard]] const Eigen::MatrixXd& target_gradients() const { return target_gradients_; }
 
-  /// Compares the gradient at the present point with central differences of J.
+  /// Compares the gradient at the last linearize() with central differences of J: of the targets,
+  /// and of overlap and distance from the given plan, each on its own. Bone overlap is summed over
+  /// vertices and would hide the derivatives of the face.
   /// \param step  of each number [mm, deg], > 0.
-  /// \returns the largest difference, relative to the largest component; or the error of a solve.
+  /// \returns the larger of both differences, each relative to the largest component of its part;
+  ///   or the error of a solve.
   [[nodiscard]] Result<double> gradient_error(const VectorX& gradient, double step);
 
  private:

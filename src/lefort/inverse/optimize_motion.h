@@ -34,8 +34,10 @@ struct MotionOptions {
   LeastSquaresOptions coarse{};
   int max_corrections = 8;             ///< Fine solves, >= 1.
   double correction_tolerance = 0.01;  ///< Ends if x changes by less [mm, deg].
-  /// Step of the central differences of the gradient check [mm, deg]; 0: no check.
-  double check_step = 2e-3;
+  /// Step of the central differences of the gradient check [mm, deg]; 0: no check. A vertex of the
+  /// skin whose closest point of a target surface jumps within the step adds an error, so that a
+  /// small step is better, down to the error of the equilibria.
+  double check_step = 2e-4;
 };
 
 /// One fine solve.
