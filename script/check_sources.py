@@ -163,13 +163,15 @@ def read_table(file: Path) -> list[list[str]]:
 
 def deprecated_words(words: Path) -> list[str]:
     """Words that docs/glossary.md replaces, wherever a person reads them: code, documents, the page."""
-    table = [(re.compile(pattern), instead) for pattern, instead in read_table(words)]
+    table = [(re.compile(pattern, re.MULTILINE), instead) for pattern, instead in read_table(words)]
     found = []
     for path in tracked_files("src", "python", "tests", "web/src", "web/tests", "web/e2e", "docs", "contract", "examples", "*.md"):
         if path.suffix not in TEXT or str(path) in MAY_NAME_OLD_WORDS:
             continue
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-            for pattern, instead in table:
+        text = path.read_text(encoding="utf-8")
+        present = [(pattern, instead) for pattern, instead in table if pattern.search(text)]  # Few; then line by line.
+        for number, line in enumerate(text.splitlines() if present else [], 1):
+            for pattern, instead in present:
                 match = pattern.search(line)
                 if match:
                     found.append(f"{path}:{number}: \"{match.group(0).strip()}\": {instead}")

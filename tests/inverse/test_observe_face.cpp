@@ -144,13 +144,13 @@ TEST(ObserveFace, TheBorderOfAnOpenSurfaceDoesNotAttract) {
   const auto at =
       observer.observe(std::vector<Vec3>(observer.skin_L().vertices.size(), Vec3::Zero()));
   // Between the front and the region's end at y = 0 the closest point is the border.
-  double share = 0.0;
+  double fraction = 0.0;
   for (const Observation& one : at) {
     EXPECT_LT(one.at_L.y(), -5.0);
     EXPECT_NEAR(one.residual_mm, -2.0, 0.1);
-    share += one.share;
+    fraction += one.fraction;
   }
-  EXPECT_NEAR(share, 1.0, 1e-12);
+  EXPECT_NEAR(fraction, 1.0, 1e-12);
 }
 
 TEST(ObserveFace, ATargetOfWeightZeroIsMeasured) {

@@ -151,7 +151,7 @@ Result<void> FaceObserver::choose_vertices(const SurfaceTarget& of, std::span<co
   const geometry::Bvh& surface = surfaces_.emplace_back(of.surface_L);
   const std::vector<char> is_border = border_vertices(surface.mesh());
   auto& vertices = surface_vertices_.emplace_back();
-  auto& shares = surface_shares_.emplace_back();
+  auto& fractions = surface_fractions_.emplace_back();
   double all_mm2 = 0.0, near_mm2 = 0.0, chosen_mm2 = 0.0;
   for (std::size_t v = 0; v < skin_L_.vertices.size(); ++v) {
     if (is_moved[v] == 0 || (of.region_L && !of.region_L->contains(skin_L_.vertices[v]))) continue;
@@ -161,7 +161,7 @@ Result<void> FaceObserver::choose_vertices(const SurfaceTarget& of, std::span<co
     near_mm2 += areas_mm2[v];
     if (is_on_border(surface.mesh(), is_border, *nearest)) continue;
     vertices.push_back(std::int32_t(v));
-    shares.push_back(areas_mm2[v]);
+    fractions.push_back(areas_mm2[v]);
     chosen_mm2 += areas_mm2[v];
   }
   if (!(all_mm2 > 0.0))
@@ -172,7 +172,7 @@ Result<void> FaceObserver::choose_vertices(const SurfaceTarget& of, std::span<co
         "surface {} is close to {:.0f} % of the skin in its region only: is it of another patient "
         "or in another frame? At least {:.0f} % must lie within {:g} mm of it",
         of.name, 100.0 * near_mm2 / all_mm2, 100.0 * kMinOverlap, of.max_distance_mm));
-  for (double& share : shares) share /= chosen_mm2;
+  for (double& fraction : fractions) fraction /= chosen_mm2;
   return {};
 }
 
@@ -239,14 +239,14 @@ void FaceObserver::observe_profile(std::size_t profile, std::span<const Vec3> di
                                    std::vector<Observation>& all) const {
   const ProfileTarget& of = target_.profiles[profile];
   const std::size_t first_one = all.size();
-  const double share = 1.0 / double(of.points.size());
+  const double fraction = 1.0 / double(of.points.size());
   all.resize(first_one + of.points.size());
   parallel_for(Index(of.points.size()), [&](Index i) {
     const ProfilePoint& point = of.points[std::size_t(i)];
     Observation& one = all[first_one + std::size_t(i)];
     one = {.residual_mm = kMaxMotion_mm,
-           .weight = of.weight * share,
-           .share = share,
+           .weight = of.weight * fraction,
+           .fraction = fraction,
            .target = anchors_.size() + profile,
            .at_L = Vec3(of.x_mm, point.y_mm, point.z_mm)};
     const auto hit = hit_at(displacement_mm, profile_triangles_[profile], of.x_mm, point.z_mm);
@@ -272,11 +272,11 @@ void FaceObserver::observe_surface(std::size_t surface, std::span<const Vec3> di
   all.resize(first_one + vertices.size());
   parallel_for(Index(vertices.size()), [&](Index i) {
     const std::int32_t v = vertices[std::size_t(i)];
-    const double share = surface_shares_[surface][std::size_t(i)];
+    const double fraction = surface_fractions_[surface][std::size_t(i)];
     Observation& one = all[first_one + std::size_t(i)];
     one = {.residual_mm = of.max_distance_mm,
-           .weight = of.weight * share,
-           .share = share,
+           .weight = of.weight * fraction,
+           .fraction = fraction,
            .target = anchors_.size() + target_.profiles.size() + surface,
            .at_L = position(v, displacement_mm),
            .vertices = {v, v, v}};
@@ -304,7 +304,7 @@ std::vector<Observation> FaceObserver::observe(std::span<const Vec3> displacemen
 std::vector<TargetResidual> residuals_by_target(std::span<const Observation> observations,
                                                 std::size_t target_count) {
   std::vector<TargetResidual> all(target_count);
-  std::vector<double> shares(target_count, 0.0), squares(target_count, 0.0);
+  std::vector<double> fractions(target_count, 0.0), squares(target_count, 0.0);
   for (std::size_t i = 0; i < observations.size(); i += std::size_t(observations[i].components)) {
     const Observation& first = observations[i];
     TargetResidual& of = all[first.target];
@@ -312,12 +312,12 @@ std::vector<TargetResidual> residuals_by_target(std::span<const Observation> obs
     for (std::size_t c = 0; c < std::size_t(first.components); ++c)
       squared += observations[i + c].residual_mm * observations[i + c].residual_mm;
     ++of.count;
-    shares[first.target] += first.share;
-    squares[first.target] += first.share * squared;
+    fractions[first.target] += first.fraction;
+    squares[first.target] += first.fraction * squared;
     of.max_mm = std::max(of.max_mm, std::sqrt(squared));
   }
   for (std::size_t k = 0; k < target_count; ++k)
-    if (shares[k] > 0.0) all[k].rms_mm = std::sqrt(squares[k] / shares[k]);
+    if (fractions[k] > 0.0) all[k].rms_mm = std::sqrt(squares[k] / fractions[k]);
   return all;
 }
 

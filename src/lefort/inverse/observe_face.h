@@ -35,8 +35,8 @@ namespace lefort::inverse {
 /// One residual.
 struct Observation {
   double residual_mm = 0.0;  ///< Reached minus wanted.
-  double weight = 0.0;       ///< Of its square in 2 J, >= 0: that of the target times the share.
-  double share = 1.0;        ///< In the mean square of the target.
+  double weight = 0.0;       ///< Of its square in 2 J, >= 0: that of the target times the fraction.
+  double fraction = 1.0;     ///< In the mean square of the target.
   std::size_t target = 0;    ///< Number of FaceTarget::name().
   int components = 1;        ///< 3: this and two neighbors are components of one vector.
   Vec3 at_L = Vec3::Zero();  ///< Where it is measured [mm].
@@ -116,7 +116,7 @@ class FaceObserver {
   std::vector<Anchor> anchors_;
   std::vector<std::vector<std::int32_t>> profile_triangles_;  ///< Of each profile.
   std::vector<std::vector<std::int32_t>> surface_vertices_;   ///< Of each surface.
-  std::vector<std::vector<double>> surface_shares_;           ///< Of these vertices; sum 1.
+  std::vector<std::vector<double>> surface_fractions_;        ///< Of these vertices; sum 1.
   std::vector<geometry::Bvh> surfaces_;
 };
 
