@@ -11,7 +11,7 @@ import json
 import math
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeVar
@@ -29,6 +29,25 @@ _Self = TypeVar("_Self", bound="Part")
 _Class = TypeVar("_Class", bound="type[Part]")
 
 
+class _FrozenMapping(Mapping[str, Any]):
+    """A mapping that cannot be changed; it can be copied and pickled, which types.MappingProxyType cannot."""
+
+    def __init__(self, items: Mapping[str, Any]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
+
 def _frozen(value: Any) -> Any:
     """The value without lists, arrays and paths, so that nobody can change it."""
     if isinstance(value, (str, Part, bool)) or value is None:
@@ -36,7 +55,7 @@ def _frozen(value: Any) -> Any:
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if isinstance(value, Mapping):
-        return {name: _frozen(one) for name, one in value.items()}
+        return _FrozenMapping({name: _frozen(one) for name, one in value.items()})
     if hasattr(value, "tolist"):  # An array or number of NumPy.
         return _frozen(value.tolist())
     if isinstance(value, (list, tuple)):
@@ -49,7 +68,7 @@ def _as_json(value: Any, where: str) -> Any:
         return value.to_json()
     if isinstance(value, tuple):
         return [_as_json(one, f"{where}[{number}]") for number, one in enumerate(value)]
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {str(name): _as_json(one, f"{where}.{name}") for name, one in value.items()}
     if isinstance(value, float) and not math.isfinite(value):
         raise PlanInvalid(f"{where}: {value} is not finite")

@@ -1,3 +1,4 @@
+import copy
 import dataclasses
 import json
 import pickle
@@ -104,6 +105,13 @@ def test_landmarks_place_a_template():
     plan = lefort.Plan(segments=(segment,), landmarks=landmarks)
     assert plan.to_json()["landmarks"]["ANS"] == [0, -40, 0]
     lefort.Plan(segments=(segment,), landmarks="auto")  # Needs the scan: only its form is checked.
+
+    with pytest.raises(TypeError):
+        plan.landmarks["ANS"] = (0, 0, 0)
+    landmarks["ANS"] = (0, 0, 0)  # That of the caller is another one.
+    for copied in (plan, copy.deepcopy(plan), pickle.loads(pickle.dumps(plan))):
+        assert copied == plan
+        assert copied.landmarks["ANS"] == (0, -40, 0)
 
 
 def test_files_that_are_no_plans(tmp_path):
