@@ -179,6 +179,20 @@ TEST_F(CohortFolder, TheFingerprintIsOfContents) {
   EXPECT_NE(print("a"), before);
 }
 
+TEST_F(CohortFolder, FilesOfAPlanThatExistAreListed) {
+  fs::create_directories(folder_ / "a");
+  for (const char* name : {"before.nrrd", "after_skin.ply", "paint.vtu"})
+    ASSERT_TRUE(io::write_text(folder_ / "a" / name, "file"));
+  const auto files = [&](const std::string& plan) {
+    EXPECT_TRUE(io::write_text(folder_ / "a/plan.json", plan));
+    return files_of_plan(*find_case(folder_ / "a"));
+  };
+  EXPECT_EQ(
+      files(R"({"boundary": {"labels": "paint.vtu"}, "landmarks": "none.csv", "segments": []})"),
+      std::vector<fs::path>{folder_ / "a/paint.vtu"});
+  EXPECT_TRUE(files("not a plan").empty());
+}
+
 TEST(WithoutPaths, RemovesTheFoldersFromAMessage) {
   EXPECT_EQ(
       without_paths("plan /data/cohort/a/plan.json and /out/cases/a/x", "/data/cohort", "/out"),

@@ -168,9 +168,15 @@ Result<Summary> list_evaluations(const RunJob& job) {
   std::array<std::size_t, 4> counts{};
   for (const Participant& participant : run.participants) {
     Json files = Json::array();
-    if (const auto one = find_case(participant.folder, AfterSurgery::kOptional))
-      for (const auto& [role, path] : one->inputs())
-        files.push_back(path.lexically_relative(job.input).generic_string());
+    const auto add = [&](const fs::path& path) {
+      files.push_back(path.lexically_normal()
+                          .lexically_relative(job.input.lexically_normal())
+                          .generic_string());
+    };
+    if (const auto one = find_case(participant.folder, AfterSurgery::kOptional)) {
+      for (const auto& [role, path] : one->inputs()) add(path);
+      for (const fs::path& path : files_of_plan(*one)) add(path);
+    }
     for (const io::ParameterSet& set : run.sets) {
       const FoundEvaluation found = find_evaluation(job, participant, set);
       ++counts[std::size_t(found.state)];

@@ -232,6 +232,22 @@ Result<CohortCase> find_case(const fs::path& folder, AfterSurgery after) {
   return one;
 }
 
+std::vector<fs::path> files_of_plan(const CohortCase& one) {
+  std::vector<fs::path> files;
+  if (!one.plan) return files;
+  const Result<std::string> text = io::read_text(*one.plan, kMaxPlanBytes);
+  if (!text) return files;
+  try {
+    for (const std::string& name : io::files_of_plan(*text)) {
+      std::error_code error;
+      const fs::path file = one.plan->parent_path() / name;
+      if (fs::exists(file, error)) files.push_back(file);
+    }
+  } catch (const nlohmann::json::exception&) {  // Not a plan.
+  }
+  return files;
+}
+
 Result<std::string> fingerprint_case(const CohortCase& one) {
   io::Sha256 hash;
   for (const auto& [role, path] : one.inputs()) {

@@ -33,6 +33,10 @@ struct CohortCase {
   [[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> inputs() const;
 };
 
+/// Files that the plan of a case names and that exist, sorted by the plan's names. A plan that is not
+/// valid names none.
+[[nodiscard]] std::vector<std::filesystem::path> files_of_plan(const CohortCase& one);
+
 /// Whether a folder is a BIDS dataset: it contains a folder sub-LABEL.
 [[nodiscard]] bool is_bids_dataset(const std::filesystem::path& cohort);
 
