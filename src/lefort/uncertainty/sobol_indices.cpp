@@ -4,10 +4,16 @@
 #include <lefort/uncertainty/sobol_indices.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
+#include <set>
+#include <utility>
 
 namespace lefort::uncertainty {
 namespace {
+
+/// Draws of the correction differ from those of the coarse model.
+constexpr std::uint64_t kCorrectionSeed = 0x94d049bb133111ebULL;
 
 struct Bounds {
   double low, high;
@@ -32,19 +38,54 @@ std::vector<Index> rows_of(const FittedField& fitted) {
   return rows;
 }
 
-Eigen::MatrixXd draw_coefficients(const FittedField& fitted, std::span<const Index> rows,
-                                  std::span<const Index> drawn) {
-  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(fitted.surrogate.coefficients.rows(),
-                                                       fitted.surrogate.coefficients.cols());
-  for (std::size_t k = 0; k < fitted.fits.size(); ++k) {
-    const ChaosFit& fit = fitted.fits[k];
-    const VectorX again = refit(fitted.basis_values, fit, fitted.modes.scores.col(Index(k)), drawn);
-    for (std::size_t t = 0; t < fit.terms.size(); ++t)
-      if (const Index row = rows[std::size_t(fit.terms[t])]; row >= 0)
-        coefficients(row, Index(k)) = again[Index(t)];
-  }
-  return coefficients;
+/// Draws `count` of `count` numbers with replacement, `replicates` times.
+///
+/// \param distinct  fewest different numbers of a draw; other draws are repeated.
+std::vector<std::vector<Index>> draw_samples(Index count, std::size_t distinct, int replicates,
+                                             std::uint64_t seed) {
+  LEFORT_CHECK(count >= 1 && replicates >= 1 && Index(distinct) <= count);
+  std::mt19937_64 bits(seed);
+  std::vector<std::vector<Index>> draws(std::size_t(replicates), std::vector<Index>{});
+  for (std::vector<Index>& draw : draws) do {
+      draw.clear();
+      for (Index k = 0; k < count; ++k) draw.push_back(draw_below(bits, count));
+    } while (std::set<Index>(draw.begin(), draw.end()).size() < distinct);
+  return draws;
 }
+
+/// Replicates of one surrogate, without the points of its field: only the coefficients differ.
+class Replicator {
+ public:
+  Replicator(const FittedField& fitted, int replicates, std::uint64_t seed)
+      : fitted_(fitted), rows_(rows_of(fitted)) {
+    std::size_t most = 1;
+    for (const ChaosFit& fit : fitted.fits) most = std::max(most, fit.terms.size());
+    draws_ = draw_samples(fitted.basis_values.rows(), most, replicates, seed);
+  }
+
+  [[nodiscard]] FieldSurrogate at(Index replicate) const {
+    const Eigen::MatrixXd& selected = fitted_.surrogate.coefficients;
+    FieldSurrogate drawn{.basis = fitted_.surrogate.basis,
+                         .mean = VectorX(0),
+                         .modes = Eigen::MatrixXd(0, selected.cols()),
+                         .coefficients = Eigen::MatrixXd::Zero(selected.rows(), selected.cols())};
+    for (Index k = 0; k < selected.cols(); ++k) {
+      if ((selected.col(k).array() == 0.0).all()) continue;
+      const ChaosFit& fit = fitted_.fits[std::size_t(k)];
+      const VectorX again = refit(fitted_.basis_values, fit, fitted_.modes.scores.col(k),
+                                  draws_[std::size_t(replicate)]);
+      for (std::size_t t = 0; t < fit.terms.size(); ++t)
+        if (const Index row = rows_[std::size_t(fit.terms[t])]; row >= 0)
+          drawn.coefficients(row, k) = again[Index(t)];
+    }
+    return drawn;
+  }
+
+ private:
+  const FittedField& fitted_;
+  std::vector<Index> rows_;
+  std::vector<std::vector<Index>> draws_;
+};
 
 }  // namespace
 
@@ -91,19 +132,42 @@ Eigen::MatrixXd gram_of(const Eigen::MatrixXd& modes, std::span<const double> we
   return total > 0.0 ? Eigen::MatrixXd(gram / total) : gram;
 }
 
-SobolInterval sobol_bootstrap(const FittedField& fitted, const Eigen::MatrixXd& gram,
-                              std::span<const std::vector<Index>> groups, int replicates,
-                              double level, std::uint64_t seed) {
-  const std::vector<std::vector<Index>> draws =
-      draw_samples(fitted.basis_values.rows(), replicates, seed);
-  const std::vector<Index> rows = rows_of(fitted);
-  std::vector<SobolIndices> found(draws.size());
+Result<SurrogateReplicates> draw_surrogates(const FittedField& coarse,
+                                            const FittedField* correction, int replicates,
+                                            std::uint64_t seed, Progress& progress) {
+  const Replicator of_coarse(coarse, replicates, seed);
+  std::optional<Replicator> of_correction;
+  if (correction != nullptr) of_correction.emplace(*correction, replicates, seed ^ kCorrectionSeed);
+  SurrogateReplicates found;
+  found.coefficients.resize(std::size_t(replicates));
+  const auto replicate = [&](Index b) {
+    const FieldSurrogate one = of_coarse.at(b);
+    return of_correction ? add(one, of_correction->at(b)) : one;
+  };
+  found.basis = replicate(0).basis;
+  constexpr Index kBatch = 16;
+  for (Index begin = 0; begin < replicates; begin += kBatch) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
+    const Index count = std::min<Index>(kBatch, replicates - begin);
+    parallel_for(
+        count,
+        [&](Index k) {
+          found.coefficients[std::size_t(begin + k)] = replicate(begin + k).coefficients;
+        },
+        1);
+    progress.report(double(begin + count) / double(replicates));
+  }
+  return found;
+}
+
+SobolInterval sobol_interval(const SurrogateReplicates& replicates, const Eigen::MatrixXd& gram,
+                             std::span<const std::vector<Index>> groups, double level) {
+  std::vector<SobolIndices> found(replicates.coefficients.size());
   parallel_for(
-      Index(draws.size()),
+      Index(found.size()),
       [&](Index b) {
         found[std::size_t(b)] =
-            sobol_indices(fitted.surrogate.basis,
-                          draw_coefficients(fitted, rows, draws[std::size_t(b)]), gram, groups);
+            sobol_indices(replicates.basis, replicates.coefficients[std::size_t(b)], gram, groups);
       },
       1);
   SobolInterval interval;
@@ -120,21 +184,6 @@ SobolInterval sobol_bootstrap(const FittedField& fitted, const Eigen::MatrixXd& 
     interval.total_high.push_back(of_total.high);
   }
   return interval;
-}
-
-FieldSurrogate draw_surrogate(const FittedField& fitted, std::span<const Index> drawn) {
-  FieldSurrogate surrogate = fitted.surrogate;
-  surrogate.coefficients = draw_coefficients(fitted, rows_of(fitted), drawn);
-  return surrogate;
-}
-
-std::vector<std::vector<Index>> draw_samples(Index count, int replicates, std::uint64_t seed) {
-  LEFORT_CHECK(count >= 1 && replicates >= 1);
-  std::mt19937_64 bits(seed);
-  std::vector<std::vector<Index>> draws(std::size_t(replicates), std::vector<Index>{});
-  for (std::vector<Index>& draw : draws)
-    for (Index k = 0; k < count; ++k) draw.push_back(draw_below(bits, count));
-  return draws;
 }
 
 }  // namespace lefort::uncertainty

@@ -2,6 +2,8 @@
 /// Sobol indices from the coefficients of a polynomial chaos.
 #pragma once
 
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/uncertainty/chaos_basis.h>
 #include <lefort/uncertainty/field_surrogate.h>
@@ -41,29 +43,38 @@ struct SobolIndices {
 [[nodiscard]] Eigen::MatrixXd gram_of(const Eigen::MatrixXd& modes,
                                       std::span<const double> weights);
 
+/// Surrogates fitted to samples that were drawn with replacement.
+struct SurrogateReplicates {
+  ChaosBasis basis;
+  std::vector<Eigen::MatrixXd> coefficients;  ///< Terms by modes, one matrix per replicate.
+};
+
+/// Replicates of a bootstrap: the samples are drawn with replacement, the coefficients of the
+/// selected terms are fitted again \cite marelli2018. The samples of a correction are drawn
+/// independently of those of the coarse model, so that the spread contains the errors of both.
+///
+/// \param coarse      the surrogate.
+/// \param correction  of the same inputs, added as by add(); null: none. Modes without coefficients
+///   stay without: the samples of a replicate decide no selection.
+/// \param replicates  number of draws, >= 1.
+/// \param seed        the same seed gives the same bits. Draws have as many distinct samples as a
+///   mode has terms, or more.
+/// \returns the replicates, with the terms and the modes of add(); or kCancelled.
+[[nodiscard]] Result<SurrogateReplicates> draw_surrogates(const FittedField& coarse,
+                                                          const FittedField* correction,
+                                                          int replicates, std::uint64_t seed,
+                                                          Progress& progress);
+
 /// Percentile interval of a bootstrap.
 struct SobolInterval {
   std::vector<double> first_low, first_high, total_low, total_high;
 };
 
-/// Bootstrap intervals: samples are drawn with replacement, the coefficients of the selected terms
-/// fitted again \cite marelli2018, the indices computed again.
-///
-/// \param fitted      the surrogate; without the correction by a finer model.
-/// \param gram        of the region.
-/// \param replicates  number of draws, >= 20.
-/// \param level       of the interval, 0 to 1.
-/// \param seed        the same seed gives the same bits.
-[[nodiscard]] SobolInterval sobol_bootstrap(const FittedField& fitted, const Eigen::MatrixXd& gram,
-                                            std::span<const std::vector<Index>> groups,
-                                            int replicates, double level, std::uint64_t seed);
-
-/// The surrogate with coefficients fitted to samples drawn with replacement.
-[[nodiscard]] FieldSurrogate draw_surrogate(const FittedField& fitted,
-                                            std::span<const Index> drawn);
-
-/// Draws `count` of `count` numbers with replacement, `replicates` times.
-[[nodiscard]] std::vector<std::vector<Index>> draw_samples(Index count, int replicates,
-                                                           std::uint64_t seed);
+/// \param gram   of the region, for the modes of the replicates.
+/// \param level  of the interval, 0 to 1.
+[[nodiscard]] SobolInterval sobol_interval(const SurrogateReplicates& replicates,
+                                           const Eigen::MatrixXd& gram,
+                                           std::span<const std::vector<Index>> groups,
+                                           double level);
 
 }  // namespace lefort::uncertainty

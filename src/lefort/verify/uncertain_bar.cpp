@@ -89,7 +89,7 @@ void check_variance(const std::string& name, double measured, double exact, Sect
                             .measured = measured / exact,
                             .expected = 1.0,
                             .tolerance = kVarianceTolerance,
-                            .reason = "issue: within 2 %"});
+                            .reason = "required: 2 %"});
 }
 
 void check_index(const std::string& name, double measured, double exact, Section& section) {

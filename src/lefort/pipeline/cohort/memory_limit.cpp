@@ -10,10 +10,18 @@
 
 namespace lefort::pipeline {
 
+namespace {
+
+constexpr double kGigabyte = 1e9;
+
+}  // namespace
+
+double machine_memory_gb() {
+  return double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE)) / kGigabyte;
+}
+
 Result<void> limit_memory(double memory_gb) {
-  constexpr double kGigabyte = 1e9;
-  const double machine_gb =
-      double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE)) / kGigabyte;
+  const double machine_gb = machine_memory_gb();
   if (memory_gb > machine_gb)
     return fail(ErrorCode::kOutOfMemory,
                 fmt::format("--mem-gb is {:g}, this machine has {:.1f} GB: give less", memory_gb,

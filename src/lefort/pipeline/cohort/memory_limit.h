@@ -1,10 +1,13 @@
 /// \file
-/// The limit of the memory of this process.
+/// The memory of this machine, and the limit of that of this process.
 #pragma once
 
 #include <lefort/core/error.h>
 
 namespace lefort::pipeline {
+
+/// Memory of this machine, 1e9 bytes.
+[[nodiscard]] double machine_memory_gb();
 
 /// Limits the data of this process (RLIMIT_DATA), after a check that the machine has as much. An
 /// allocation beyond the limit then fails; it does not take memory from other processes.

@@ -1,4 +1,5 @@
 #include <lefort/compare/face_regions.h>
+#include <lefort/core/parallel.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/uncertainty/face_statistics.h>
 #include <lefort/uncertainty/latin_hypercube.h>
@@ -18,6 +19,9 @@ using uncertainty::FittedField;
 
 /// Seeds of different purposes differ.
 constexpr std::uint64_t kDrawSeed = 0x9e3779b97f4a7c15ULL, kBootstrapSeed = 0xbf58476d1ce4e5b9ULL;
+
+/// 128 MB; each thread has a copy. The set of three terms per sample fits up to 2364 samples.
+constexpr std::size_t kMaxBasisValues = std::size_t(1) << 24;
 
 double weighted_mean(std::span<const double> weights, std::span<const double> values) {
   double sum = 0.0, total = 0.0;
@@ -88,9 +92,11 @@ Eigen::MatrixXd draw_points(std::span<const UncertainInput> inputs, Index count,
       distributions, uncertainty::nested_latin_hypercube(Index(distributions.size()), count, seed));
 }
 
-/// Candidate sets of at most three terms per sample.
+/// Candidate sets of at most three terms per sample, whose values at the samples fit into
+/// kMaxBasisValues.
 uncertainty::FieldFitOptions fit_options(std::size_t samples) {
-  return {.variance_fraction = 0.999, .basis = {.max_terms = Index(3 * samples)}};
+  return {.variance_fraction = 0.999,
+          .basis = {.max_terms = Index(std::min(3 * samples, kMaxBasisValues / samples))}};
 }
 
 double cross_validated_q2(const FittedField& fitted, const Eigen::MatrixXd& gram) {
@@ -208,16 +214,19 @@ void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
   all.correction_results = describe_correction(all, measure, differences, rough);
 }
 
-std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
-                                             const std::vector<Index>& rows,
-                                             const std::vector<std::vector<float>>& samples,
-                                             const FaceStatistics& all, const BandMeasure& measure,
-                                             std::uint64_t seed) {
+Result<std::vector<ConvergenceRow>> find_convergence(const UncertainCase& face,
+                                                     const std::vector<Index>& rows,
+                                                     const std::vector<std::vector<float>>& samples,
+                                                     const FaceStatistics& all,
+                                                     const BandMeasure& measure, std::uint64_t seed,
+                                                     Progress& progress) {
   std::vector<ConvergenceRow> found;
   std::vector<Index> counts;
   for (Index n = uncertainty::kFirstDesign; n < Index(rows.size()); n *= 2) counts.push_back(n);
   counts.push_back(Index(rows.size()));
   for (const Index n : counts) {
+    progress.begin_stage(fmt::format("convergence, {} samples", n));
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
     Eigen::MatrixXd points(n, face.points().cols());
     for (Index i = 0; i < n; ++i) points.row(i) = face.points().row(rows[std::size_t(i)]);
     const FittedField fit =
@@ -226,14 +235,19 @@ std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
             : uncertainty::fit_field(chaos_inputs(face.inputs().inputs), points,
                                      std::span(samples).first(std::size_t(n)), face.skin().area_mm2,
                                      fit_options(std::size_t(n)));
-    const auto with_correction = [&](const FieldSurrogate& surrogate) {
-      return all.correction ? uncertainty::add(surrogate, all.correction->surrogate) : surrogate;
-    };
-    ConvergenceRow row{.samples = n, .band_mm = measure(with_correction(fit.surrogate))};
+    FieldSurrogate total =
+        all.correction ? uncertainty::add(fit.surrogate, all.correction->surrogate) : fit.surrogate;
+    ConvergenceRow row{.samples = n, .band_mm = measure(total)};
+    LEFORT_TRY(const uncertainty::SurrogateReplicates replicates,
+               uncertainty::draw_surrogates(fit, all.correction ? &*all.correction : nullptr,
+                                            kBandReplicates, seed ^ kBootstrapSeed, progress));
     std::vector<double> draws;
-    for (const std::vector<Index>& drawn :
-         uncertainty::draw_samples(n, kBandReplicates, seed ^ kBootstrapSeed))
-      draws.push_back(measure(with_correction(uncertainty::draw_surrogate(fit, drawn))));
+    for (const Eigen::MatrixXd& coefficients : replicates.coefficients) {
+      if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
+      total.coefficients = coefficients;
+      draws.push_back(measure(total));
+      progress.report(double(draws.size()) / kBandReplicates);
+    }
     row.low_mm = uncertainty::sample_quantile(draws, 0.5 * (1.0 - kIntervalLevel));
     row.high_mm = uncertainty::sample_quantile(draws, 0.5 * (1.0 + kIntervalLevel));
     row.q2 = cross_validated_q2(
@@ -246,7 +260,7 @@ std::vector<ConvergenceRow> find_convergence(const UncertainCase& face,
 RegionStatistics statistics_of_region(const FaceStatistics& all, const SkinRegion& region,
                                       std::span<const std::vector<Index>> alone,
                                       std::span<const std::vector<Index>> groups,
-                                      std::uint64_t seed) {
+                                      const uncertainty::SurrogateReplicates& replicates) {
   RegionStatistics found{.name = region.name};
   const std::vector<double> width = widths(all.band);
   found.band_mm = weighted_mean(region.weights, width);
@@ -259,8 +273,7 @@ RegionStatistics statistics_of_region(const FaceStatistics& all, const SkinRegio
   const Eigen::MatrixXd rough = uncertainty::gram_of(all.coarse.surrogate.modes, region.weights);
   found.inputs = uncertainty::sobol_indices(all.total.basis, all.total.coefficients, total, alone);
   found.groups = uncertainty::sobol_indices(all.total.basis, all.total.coefficients, total, groups);
-  found.interval = uncertainty::sobol_bootstrap(all.coarse, rough, alone, kReplicates,
-                                                kIntervalLevel, seed ^ kBootstrapSeed);
+  found.interval = uncertainty::sobol_interval(replicates, total, alone, kIntervalLevel);
   found.q2 = cross_validated_q2(all.coarse, rough);
   return found;
 }
@@ -301,16 +314,38 @@ Result<FaceStatistics> face_statistics(const UncertainCase& face, std::vector<Sk
       uncertainty::scores_at(all.total, draw_points(inputs, kSurrogateDraws, seed ^ kDrawSeed)),
       kBandProbabilities);
   all.band_mm = weighted_mean(all.regions.front().weights, widths(all.band));
+  progress.begin_stage("bootstrap of the surrogate");
+  LEFORT_TRY(const uncertainty::SurrogateReplicates replicates,
+             uncertainty::draw_surrogates(all.coarse, all.correction ? &*all.correction : nullptr,
+                                          kReplicates, seed ^ kBootstrapSeed, progress));
   progress.begin_stage("Sobol indices");
   const std::vector<std::vector<Index>> groups = find_groups(inputs, all.groups);
   for (const SkinRegion& region : all.regions) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
     all.region_results.push_back(
-        statistics_of_region(all, region, each_alone(inputs.size()), groups, seed));
+        statistics_of_region(all, region, each_alone(inputs.size()), groups, replicates));
+    progress.report(double(all.region_results.size()) / double(all.regions.size()));
   }
-  progress.begin_stage("convergence");
-  all.convergence = find_convergence(face, rows, samples, all, measure, seed);
+  LEFORT_TRY(all.convergence, find_convergence(face, rows, samples, all, measure, seed, progress));
   return all;
+}
+
+double statistics_memory_gb(std::size_t samples, std::size_t vertices) {
+  constexpr double kCopies = 2.0, kPairs = 3.0, kGigabyte = 1e9;
+  const double n = double(samples);
+  return (kCopies * n * double(vertices) * sizeof(float) + kPairs * n * n * sizeof(double) +
+          double(std::min(samples * 3 * samples, kMaxBasisValues)) * sizeof(double) *
+              double(ThreadLimit::current())) /
+         kGigabyte;
+}
+
+Result<void> check_statistics_memory(std::size_t samples, std::size_t vertices, double machine_gb) {
+  const double needed_gb = statistics_memory_gb(samples, vertices);
+  if (needed_gb <= machine_gb) return {};
+  return fail(ErrorCode::kOutOfMemory,
+              fmt::format("statistics of {} samples at {} vertices need about {:.1f} GB, this "
+                          "machine has {:.1f} GB: give fewer --samples",
+                          samples, vertices, needed_gb, machine_gb));
 }
 
 std::vector<SkinRegion> skin_regions(const UncertainCase& face, Progress& progress) {

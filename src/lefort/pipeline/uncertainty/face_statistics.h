@@ -31,7 +31,7 @@ struct RegionStatistics {
   double deviation_mm = 0.0;
   double q2 = 0.0;                        ///< Cross-validated, of the coarse surrogate.
   uncertainty::SobolIndices inputs{};     ///< Of each input, with the correction.
-  uncertainty::SobolInterval interval{};  ///< Bootstrap of the coarse surrogate.
+  uncertainty::SobolInterval interval{};  ///< Bootstrap of coarse surrogate and correction.
   uncertainty::SobolIndices groups{};     ///< Of each group of inputs.
 };
 
@@ -39,7 +39,7 @@ struct RegionStatistics {
 struct ConvergenceRow {
   Index samples = 0;
   double band_mm = 0.0;                ///< Mean of the moved skin.
-  double low_mm = 0.0, high_mm = 0.0;  ///< Bootstrap interval of 90 %.
+  double low_mm = 0.0, high_mm = 0.0;  ///< Bootstrap interval, kIntervalLevel, as of the indices.
   double q2 = 0.0;
 };
 
@@ -71,7 +71,9 @@ struct FaceStatistics {
 
 inline constexpr std::array kBandProbabilities{0.05, 0.50, 0.95};
 inline constexpr int kSurrogateDraws = 4000;
-inline constexpr int kReplicates = 200;     ///< Of the bootstrap of Sobol indices.
+/// Of the bootstrap of Sobol indices. Its seed, that of the correction and that of the draws of the
+/// surrogate follow from UncertaintyJob::seed.
+inline constexpr int kReplicates = 200;
 inline constexpr int kBandReplicates = 40;  ///< Of the bootstrap of the band.
 inline constexpr double kIntervalLevel = 0.9;
 
@@ -85,6 +87,15 @@ inline constexpr double kIntervalLevel = 0.9;
                                                      const SolvedSamples& coarse,
                                                      const SolvedSamples& fine, std::uint64_t seed,
                                                      Progress& progress);
+
+/// Estimated memory of the statistics, 1e9 bytes: the samples and their copy without failed ones,
+/// the inner products of all pairs of samples with their eigenvectors, the values of the terms.
+[[nodiscard]] double statistics_memory_gb(std::size_t samples, std::size_t vertices);
+
+/// \param machine_gb  memory of the machine.
+/// \returns nothing, or kOutOfMemory if the statistics need more than the machine has.
+[[nodiscard]] Result<void> check_statistics_memory(std::size_t samples, std::size_t vertices,
+                                                   double machine_gb);
 
 /// The moved skin, then the regions of the face (compare/face_regions.h) by the landmarks of the
 /// plan, or by landmarks that are found in the scan. Without landmarks only the moved skin.

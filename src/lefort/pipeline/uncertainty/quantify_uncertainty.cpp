@@ -1,6 +1,7 @@
 #include <lefort/io/output_folder.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/cohort/memory_limit.h>
 #include <lefort/pipeline/uncertainty.h>
 #include <lefort/pipeline/uncertainty/inputs_json.h>
 #include <lefort/pipeline/uncertainty/uncertainty_results.h>
@@ -138,6 +139,10 @@ Result<Summary> quantify_uncertainty(const UncertaintyJob& job, Progress& progre
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   if (!job.chunk) LEFORT_TRY_VOID(remove_earlier_results(job.output));
   LEFORT_TRY(const std::unique_ptr<UncertainCase> face, UncertainCase::open(job, progress));
+  // Before hours of solves. A chunk has no statistics.
+  if (!job.chunk)
+    LEFORT_TRY_VOID(check_statistics_memory(std::size_t(job.samples), face->skin().vertices.size(),
+                                            machine_memory_gb()));
   UncertaintyResults results{
       .coarse = {}, .fine = {}, .statistics = {}, .path_check = {}, .models = 0, .seed = job.seed};
   LEFORT_TRY(results.coarse, face->solve_coarse(progress));
@@ -156,6 +161,12 @@ Result<Summary> quantify_uncertainty(const UncertaintyJob& job, Progress& progre
   results.models = face->model_count();
   LEFORT_TRY(results.statistics, face_statistics(*face, skin_regions(*face, progress),
                                                  results.coarse, results.fine, job.seed, progress));
+  LEFORT_TRY_VOID(face->check_unchanged());
+  if (job.fine_samples > 0 && !results.statistics.correction_results)
+    progress.note(fmt::format(
+        "warning: no correction by the mesh of the plan: fewer than 3 of its {} samples have a "
+        "result; only samples at the middle level of all inputs in levels are used",
+        results.fine.results.size()));
   std::vector<UncertaintyPicture> pictures;
   if (job.pictures) {
     LEFORT_TRY(pictures, draw_uncertainty(*face, results.statistics, progress));

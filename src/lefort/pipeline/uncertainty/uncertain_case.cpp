@@ -20,6 +20,7 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace lefort::pipeline {
@@ -73,6 +74,14 @@ predict::TissueOptions coarse_with_skin(const predict::TissueOptions& fine) {
   return options;
 }
 
+/// SHA-256 of a scan that is one file; nothing for a folder.
+Result<std::optional<std::string>> sha256_of_scan(const std::filesystem::path& ct) {
+  std::error_code error;
+  if (std::filesystem::is_directory(ct, error)) return std::nullopt;
+  LEFORT_TRY(std::string sha256, io::sha256_of_file(ct));
+  return sha256;
+}
+
 std::vector<Index> range(Index begin, Index end) {
   std::vector<Index> numbers;
   for (Index i = begin; i < end; ++i) numbers.push_back(i);
@@ -89,6 +98,8 @@ Result<std::unique_ptr<UncertainCase>> UncertainCase::open(const UncertaintyJob&
   LEFORT_TRY(opened->ct_, io::scan_of(job.plan, text.plan, job.ct));
   opened->plan_ = std::move(text.plan);
   opened->plan_text_ = std::move(text.json);
+  LEFORT_TRY(opened->ct_file_sha256_, sha256_of_scan(opened->ct_));
+  LEFORT_TRY(opened->plan_files_, io::fingerprints(opened->plan_text_, job.plan));
   if (job.inputs) {
     LEFORT_TRY(opened->entries_, read_inputs(*job.inputs));
   } else {
@@ -105,6 +116,7 @@ Result<std::unique_ptr<UncertainCase>> UncertainCase::open(const UncertaintyJob&
   }
   opened->points_ = uncertainty::points_at(
       sampled, uncertainty::nested_latin_hypercube(Index(sampled.size()), job.samples, job.seed));
+  LEFORT_TRY_VOID(check_design(opened->inputs_.inputs, opened->points_));
   opened->middle_key_ = variant_of(opened->inputs_.inputs, center);
   LEFORT_TRY_VOID(opened->prepare(progress));
   return opened;
@@ -126,6 +138,7 @@ Result<PreparedCase> UncertainCase::prepare_anatomy(const VariantKey& key, Progr
 
 Result<void> UncertainCase::prepare(Progress& progress) {
   LEFORT_TRY(prepared_, prepare_anatomy(middle_key_, progress));
+  prepared_->provenance.plan_files = plan_files_;
   LEFORT_TRY(FaceVariant middle,
              make_variant(*prepared_, coarse_with_skin(plan_.tissue), middle_key_.margin_mm,
                           prepared_->skin_L, cache_, progress));
@@ -133,12 +146,19 @@ Result<void> UncertainCase::prepare(Progress& progress) {
   find_skin();
   io::Sha256 key;
   key.add(kSampleRevision).add(kVersion).add(plan_text_).add(prepared_->provenance.ct_sha256);
-  for (const io::InputFile& file :
-       io::fingerprints(plan_text_, job_.plan).value_or(std::vector<io::InputFile>{}))
-    key.add(file.name).add(file.sha256);
+  for (const io::InputFile& file : plan_files_) key.add(file.name).add(file.sha256);
   key.add(pipeline::as_json(entries_).dump()).add(std::to_string(job_.seed));
   store_ = SampleStore(job_.output / "samples", key.hex());
   return {};
+}
+
+Result<void> UncertainCase::check_unchanged() const {
+  LEFORT_TRY(const std::vector<io::InputFile> files, io::fingerprints(plan_text_, job_.plan));
+  LEFORT_TRY(const std::optional<std::string> ct_sha256, sha256_of_scan(ct_));
+  if (files == plan_files_ && ct_sha256 == ct_file_sha256_) return {};
+  return fail(ErrorCode::kPlanInvalid,
+              "the scan or a file that the plan names was changed while samples were solved: run "
+              "again");
 }
 
 void UncertainCase::find_skin() {

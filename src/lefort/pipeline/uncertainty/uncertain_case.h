@@ -59,6 +59,11 @@ class UncertainCase {
   [[nodiscard]] const PreparedCase& prepared() const { return *prepared_; }
   [[nodiscard]] const FaceVariant& middle() const { return *variants_.at(middle_key_); }
   [[nodiscard]] const std::string& plan_text() const { return plan_text_; }
+  /// Of the file of the scan; nothing if the scan is a folder.
+  [[nodiscard]] const std::optional<std::string>& ct_file_sha256() const { return ct_file_sha256_; }
+  /// \returns nothing; kPlanInvalid if the scan or a file that the plan names has changed since
+  ///   open(), so that it is not known which of its versions the samples are of.
+  [[nodiscard]] Result<void> check_unchanged() const;
   /// Number of combinations of levels in the design.
   [[nodiscard]] std::size_t model_count() const;
 
@@ -82,6 +87,8 @@ class UncertainCase {
   StageCache cache_;
   SampleStore store_;
   std::filesystem::path ct_;
+  std::optional<std::string> ct_file_sha256_;
+  std::vector<io::InputFile> plan_files_;
   std::string plan_text_;
   io::PlanFile plan_;
   std::vector<InputEntry> entries_;

@@ -206,6 +206,21 @@ std::vector<InputEntry> default_inputs(const io::PlanFile& plan) {
   };
 }
 
+Result<void> check_design(std::span<const UncertainInput> inputs, const Eigen::MatrixXd& points) {
+  for (Index sample = 0; sample < points.rows(); ++sample)
+    for (std::size_t n = 0; n < inputs.size(); ++n) {
+      const InputParameter& parameter = *inputs[n].parameter;
+      const double value = points(sample, Index(n));
+      if (!(value >= parameter.low && value <= parameter.high))
+        return fail(
+            ErrorCode::kInvalidArgument,
+            fmt::format("input {}: sample {} has the value {:g}, must be from {:g} to {:g}: "
+                        "use a distribution with limits, or fewer levels",
+                        inputs[n].name, sample, value, parameter.low, parameter.high));
+    }
+  return {};
+}
+
 Result<InputsOfPlan> inputs_of_plan(std::span<const InputEntry> entries, const io::PlanFile& plan) {
   InputsOfPlan all;
   for (std::size_t n = 0; n < entries.size(); ++n) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/types.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/uncertainty/chaos_basis.h>
 #include <lefort/uncertainty/distribution.h>
@@ -81,6 +82,14 @@ struct InputsOfPlan {
   std::vector<UncertainInput> inputs;
   std::vector<std::string> without_effect;  ///< "skin_ratio_factor: the plan has no skin".
 };
+
+/// Checks each value of a design against the range of its parameter. The quantiles that
+/// inputs_of_plan() checks are not enough: levels and a long tail lie beyond them.
+///
+/// \param points  samples by inputs.
+/// \returns nothing, or kInvalidArgument with the first sample out of range.
+[[nodiscard]] Result<void> check_design(std::span<const UncertainInput> inputs,
+                                        const Eigen::MatrixXd& points);
 
 /// \returns the inputs; kInvalidArgument if a segment is unknown, a parameter is given twice, a
 ///   quantile of 0.1 % or 99.9 % is out of range, or no input has an effect.

@@ -44,6 +44,17 @@ Json indices_json(const std::vector<std::string>& names, const uncertainty::Sobo
   return list;
 }
 
+Json provenance_json(const UncertainCase& face) {
+  const Provenance& provenance = face.prepared().provenance;
+  Json files = Json::array();
+  for (const io::InputFile& file : provenance.plan_files)
+    files.push_back({{"file", file.name}, {"sha256", file.sha256}});
+  return {{"plan_sha256", provenance.plan_sha256},
+          {"plan_files", std::move(files)},
+          {"ct_sha256", provenance.ct_sha256},
+          {"ct_file_sha256", face.ct_file_sha256() ? Json(*face.ct_file_sha256()) : Json(nullptr)}};
+}
+
 std::vector<std::string> names_of(const UncertainCase& face) {
   std::vector<std::string> names;
   for (const UncertainInput& input : face.inputs().inputs) names.push_back(input.name);
@@ -147,9 +158,7 @@ Json uncertainty_json(const UncertainCase& face, const UncertaintyResults& resul
   Json json{{"lefort_uncertainty", 1},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
-            {"provenance",
-             {{"plan_sha256", face.prepared().provenance.plan_sha256},
-              {"ct_sha256", face.prepared().provenance.ct_sha256}}},
+            {"provenance", provenance_json(face)},
             {"seed", results.seed},
             {"design", "nested Latin hypercube"},
             {"inputs", std::move(inputs)},
