@@ -85,7 +85,8 @@ TEST(ServerContract, EverySchemaHasAFixture) {
   // Parts of others, which their fixtures show.
   for (const char* part : {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points",
                            "Pose", "TemplateKind", "PredictionStep", "FileName", "NewtonIterate",
-                           "ValuesName", "DifferenceStatistics", "MovementDifference"})
+                           "ValuesName", "DifferenceStatistics", "MovementDifference", "Interval",
+                           "Distribution", "SobolIndex", "FailedSamples"})
     shown.insert(part);
   for (const auto& [name, schema] : contract()["components"]["schemas"].items())
     EXPECT_TRUE(shown.contains(name)) << name;

@@ -50,7 +50,7 @@ json cutting_part(const json& plan) {
   return part;
 }
 
-/// Why a check or a prediction does not match the plan; empty if it matches.
+/// Why a check, a prediction or a band does not match the plan; empty if it matches.
 std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
   const auto now = folder.fingerprint(folder.plan());
   if (!now) return "the plan was removed";
@@ -102,6 +102,18 @@ const char* in_words(const std::string& input) {
   if (input == "cut")
     return "the plan's cuts, landmarks or thresholds changed after this was computed";
   return "the plan's tissue or boundaries changed after this was computed";
+}
+
+/// Why results of `lefort uncertainty` do not match the case; empty if they match. Their document
+/// names all of their inputs, because the command line may have written them.
+std::string band_mismatch(const json& document, const CaseFolder& folder) {
+  const json& made_of = member(document, "provenance");
+  const json& scan = member(made_of, "ct_file_sha256");
+  if (member(document, "lefort_uncertainty") != 1 || !scan.is_string() ||
+      !member(made_of, "plan_files").is_array())
+    return "the inputs of this band are not known: compute it with ct.nrrd of the case";
+  if (scan != folder.fingerprint(folder.ct()).value_or("")) return in_words("ct");
+  return plan_mismatch(made_of, folder);
 }
 
 }  // namespace
@@ -289,26 +301,31 @@ Result<void> CaseFolder::forget_result(std::string_view stage) const {
   return io::remove_earlier_files(documents);
 }
 
+fs::path CaseFolder::document_of(std::string_view stage) const {
+  if (stage == "scan") return ct();
+  if (stage == "anatomy") return anatomy() / "skin.vtp";
+  if (stage == "landmarks") return landmarks();
+  if (stage == "plan") return plan();
+  if (stage == "boundary") return boundary();
+  if (stage == "cut") return cut() / "cut.json";
+  if (stage == "check") return check() / "check.json";
+  if (stage == "preview") return preview() / "preview.json";
+  if (stage == "uncertainty") return uncertainty() / "uncertainty.json";
+  if (stage == "comparison") return comparison() / "compare.json";
+  const fs::path failure = prediction() / "failure.json";
+  return there_is(failure) ? failure : prediction() / "prediction.json";
+}
+
 json CaseFolder::stage(std::string_view stage) const {
   constexpr const char* kNothing = "does not exist yet";
-  const auto document = [&]() -> fs::path {
-    if (stage == "scan") return ct();
-    if (stage == "anatomy") return anatomy() / "skin.vtp";
-    if (stage == "landmarks") return landmarks();
-    if (stage == "plan") return plan();
-    if (stage == "boundary") return boundary();
-    if (stage == "cut") return cut() / "cut.json";
-    if (stage == "check") return check() / "check.json";
-    if (stage == "preview") return preview() / "preview.json";
-    if (stage == "prediction") {
-      const fs::path failure = prediction() / "failure.json";
-      return there_is(failure) ? failure : prediction() / "prediction.json";
-    }
-    return comparison() / "compare.json";
-  }();
+  const fs::path document = document_of(stage);
   if (!there_is(document)) return state("missing", kNothing, std::nullopt);
   const auto tag = etag(document);
   if (stage == "scan") return state("fresh", "", tag);
+  if (stage == "uncertainty") {
+    std::string why = band_mismatch(read_object(document), *this);
+    return why.empty() ? state("fresh", "", tag) : state("stale", std::move(why), tag);
+  }
 
   const json recorded_inputs = read_object(root_ / "stages.json");
   if (stage == "landmarks" || stage == "plan" || stage == "boundary") {

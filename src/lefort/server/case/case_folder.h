@@ -48,6 +48,8 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path preview() const { return root_ / "preview"; }
   [[nodiscard]] std::filesystem::path prediction() const { return root_ / "prediction"; }
   [[nodiscard]] std::filesystem::path comparison() const { return root_ / "comparison"; }
+  /// Results of `lefort uncertainty`, of the job or of the command line.
+  [[nodiscard]] std::filesystem::path uncertainty() const { return root_ / "uncertainty"; }
   /// Cached labels, fields and tissue meshes of all stages.
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
@@ -104,6 +106,8 @@ class CaseFolder {
   /// Name of the import folder once its scan counts as that of the case; its files are then moved
   /// to their places.
   [[nodiscard]] std::filesystem::path imported() const { return root_ / "imported"; }
+  /// The file whose existence shows that a stage is computed, or that it did not converge.
+  [[nodiscard]] std::filesystem::path document_of(std::string_view stage) const;
   [[nodiscard]] Result<void> finish_import() const;
 
   /// Identifies a version of a file. The time alone is not enough: it can be set back, or be too
@@ -137,9 +141,9 @@ inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 [[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);
 
 /// The stages of a case, in order.
-inline constexpr const char* kStages[] = {"scan",       "anatomy",   "landmarks", "plan",
-                                          "boundary",   "cut",       "check",     "preview",
-                                          "prediction", "comparison"};
+inline constexpr const char* kStages[] = {"scan",       "anatomy",    "landmarks",  "plan",
+                                          "boundary",   "cut",        "check",      "preview",
+                                          "prediction", "comparison", "uncertainty"};
 
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);

@@ -7,6 +7,7 @@
 #include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/predict.h>
 #include <lefort/pipeline/segment.h>
+#include <lefort/pipeline/uncertainty.h>
 #include <lefort/server/api/contract_text.h>
 #include <lefort/server/case/case_jobs.h>
 #include <lefort/server/case/event_batcher.h>
@@ -124,12 +125,7 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   return reported(summary);
 }
 
-/// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
-/// removed first: `work` can fail before it removes them, and they would be taken for new ones.
-template <class Work>
-Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, Progress& progress,
-                            const Work& work) {
-  LEFORT_TRY_VOID(check_plan(folder));
+void note_other_scans(const CaseFolder& folder, Progress& progress) {
   for (const char* input : {"landmarks", "plan", "boundary"})
     if (folder.stage(input)["state"] == "stale")
       progress.note(fmt::format("warning: the {} of this case were made on another scan",
@@ -137,6 +133,15 @@ Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, Progress
                                     ? "painted boundary conditions"
                                 : std::string_view(input) == "plan" ? "movements of the plan"
                                                                     : "landmarks"));
+}
+
+/// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
+/// removed first: `work` can fail before it removes them, and they would be taken for new ones.
+template <class Work>
+Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, Progress& progress,
+                            const Work& work) {
+  LEFORT_TRY_VOID(check_plan(folder));
+  note_other_scans(folder, progress);
   LEFORT_TRY_VOID(folder.forget_result(stage));
   auto inputs = folder.inputs_of(stage);
   if (inputs) LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
@@ -284,6 +289,20 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   return reported(summary);
 }
 
+/// The document of the results names its inputs, so that they are not stored as of other stages.
+Result<JobOutcome> uncertainty_job(const JobContext& context, const JobRecord& job,
+                                   Progress& progress) {
+  const CaseFolder& folder = context.folder;
+  LEFORT_TRY_VOID(check_plan(folder));
+  note_other_scans(folder, progress);
+  pipeline::UncertaintyJob band{
+      .plan = folder.plan(), .ct = folder.ct(), .output = folder.uncertainty()};
+  band.samples = job.parameters.value("samples", band.samples);
+  LEFORT_TRY(const pipeline::Summary summary, pipeline::quantify_uncertainty(band, progress));
+  // GET /uncertainty returns the results.
+  return JobOutcome{summary.text, {{"mean_band_mm", summary.json["mean_band_mm"]}}};
+}
+
 struct Kind {
   const char* name;
   const char* stage;
@@ -296,7 +315,8 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"check", "check", check_job},
                            {"preview-factor", "preview", preview_job},
                            {"predict", "prediction", predict_job},
-                           {"compare", "comparison", compare_job}};
+                           {"compare", "comparison", compare_job},
+                           {"uncertainty", "uncertainty", uncertainty_job}};
 
 }  // namespace
 

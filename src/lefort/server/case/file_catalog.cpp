@@ -42,7 +42,12 @@ const NamedFile kFiles[] = {
     {"landmark_shifts.csv", "comparison", LEFORT_IN(comparison, "landmark_shifts.csv")},
     {"difference.vtp", "comparison", LEFORT_IN(comparison, "difference.vtp")},
     {"movements.csv", "comparison", LEFORT_IN(comparison, "movements.csv")},
-    {"skin_after.vtp", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
+    {"skin_after.vtp", "comparison", LEFORT_IN(comparison, "skin_after.vtp")},
+    {"uncertainty_report.html", "uncertainty", LEFORT_IN(uncertainty, "report.html")},
+    {"uncertainty.json", "uncertainty", LEFORT_IN(uncertainty, "uncertainty.json")},
+    {"uncertainty.vtp", "uncertainty", LEFORT_IN(uncertainty, "uncertainty.vtp")},
+    {"samples.csv", "uncertainty", LEFORT_IN(uncertainty, "samples.csv")},
+    {"uncertain_inputs.json", "uncertainty", LEFORT_IN(uncertainty, "inputs.json")}};
 
 const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
@@ -51,7 +56,8 @@ const NamedFile kSurfaces[] = {
     {kInterfaceSurface, "preview", interface_surface},
     {"skin_before", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
     {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
-    {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
+    {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")},
+    {kBandSurface, "uncertainty", LEFORT_IN(uncertainty, "uncertainty.vtp")}};
 #undef LEFORT_IN
 
 }  // namespace

@@ -25,6 +25,9 @@ struct NamedFile {
 /// Surface with condition and rule of the interface map at each vertex.
 inline constexpr std::string_view kInterfaceSurface = "interface";
 
+/// The median face of the uncertain inputs, with the band at each vertex.
+inline constexpr std::string_view kBandSurface = "band";
+
 /// The stage whose tissue mesh is that of the present plan: "preview" if that is fresh, else
 /// "prediction" if that is fresh, else nothing.
 [[nodiscard]] std::optional<std::string_view> fresh_tissue_stage(const CaseFolder& folder);

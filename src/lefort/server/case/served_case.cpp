@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kKeptSurfaces = 24;  // Six, and those of 16 segments.
+constexpr std::size_t kKeptSurfaces = 24;  // Eight, and those of 16 segments.
 
 }  // namespace
 

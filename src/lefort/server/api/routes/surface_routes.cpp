@@ -67,10 +67,11 @@ Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
 Response get_surface(ServedCase& served, const Request& request, const PathValues& values) {
   const NamedFile* const surface = find_named(surface_catalog(), values[0]);
   if (surface == nullptr) return not_found("no surface of that name");
-  const bool is_interface = surface->name == kInterfaceSurface;
-  return surface_reply(
-      served, request, surface->path(served.folder),
-      is_interface ? ScalarNames{pipeline::kConditionArray, pipeline::kRuleArray} : ScalarNames{});
+  ScalarNames scalars;
+  if (surface->name == kInterfaceSurface)
+    scalars = {pipeline::kConditionArray, pipeline::kRuleArray};
+  if (surface->name == kBandSurface) scalars = {"band_width_mm", "p5_mm", "p95_mm"};
+  return surface_reply(served, request, surface->path(served.folder), scalars);
 }
 
 Response get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
