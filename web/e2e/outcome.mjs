@@ -20,6 +20,17 @@ async function chooseFile(page, button, name, buffer) {
 
 const rows = (page, name) => page.locator(`${id(name)} tbody tr`).allInnerTexts();
 
+const isAccessible = async (page, where) => {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() =>
+    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
+  );
+  check(
+    `${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
+    violations.length === 0,
+  );
+};
+
 test('every iteration of a solve is plotted', () =>
   withPage(planned, async (page, { ask }) => {
     await step(page, 'predict');
@@ -101,16 +112,73 @@ test('comparison with a face after surgery; an unreadable file is reported', () 
         `the baseline is zero, and the prediction has an error: ${whole}`,
         Number(whole[2]) > 0.5 && whole[3] === '0.0' && whole[4] === '0.0',
       );
-      await page.evaluate(axe);
-      const { violations } = await page.evaluate(() =>
-        window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
-      );
-      check(
-        `the dark comparison is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
-        violations.length === 0,
-      );
+      await isAccessible(page, 'the dark comparison');
     },
     { scheme: 'dark' },
+  ));
+
+test('the band by uncertain inputs: computed, shown, and marked with another plan', () =>
+  withPage(
+    predicted,
+    async (page, { put }) => {
+      await step(page, 'compare');
+      await page.getByRole('button', { name: 'Uncertainty', exact: true }).click();
+      await page.getByText('No band yet').first().waitFor();
+      await isAccessible(page, 'the page without a band');
+      await page.fill(id('band-count'), '40');
+      await page.press(id('band-count'), 'Enter');
+      await page.click(id('compute-band'));
+      await page.waitForSelector(`${id('band-stage')}:not(:empty)`);
+      await page.click(id('stop-band'));
+      await page.getByText('Solved samples are stored').waitFor({ timeout: 60000 });
+      await page.click(id('compute-band'));
+      await page.waitForSelector(id('band-table'), { timeout: 300000 });
+      await idle(page);
+      await settled(page);
+      const table = await rows(page, 'band-table');
+      check(`the moved skin and regions have widths: ${table}`, table[0].startsWith('Moved skin') && table.length >= 3);
+      const [, mean, most] = table[0].split(/\s*\t\s*/).map(Number);
+      check(`the mean width ${mean} is below the largest ${most}`, mean > 0.1 && mean < most);
+      const top = Number((await page.locator(`${id('band-legend')} .ticks span`).allInnerTexts()).at(-2));
+      check(`the legend ends at ${top} mm`, top >= most);
+      check('as many bars as regions', (await page.locator('.sobol-bar').count()) === table.length);
+      check('a profile is drawn', (await page.getAttribute(`${id('band-profile')} path >> nth=1`, 'd')).length > 100);
+      check('the convergence is drawn', Number(await page.getAttribute(id('convergence'), 'data-rows')) >= 1);
+      const samples = await page.locator(id('band-samples')).innerText();
+      check(`the samples are counted: ${samples}`, /Samples,[^\n]*\n+\s*40/.test(samples));
+      const inputs = await page.locator(id('band-inputs')).innerText();
+      check(`inputs have sources: ${inputs}`, inputs.includes('Poisson') && inputs.includes('Source: assumed'));
+      const scope = await page.locator(id('band-scope')).innerText();
+      check(
+        `what the band covers is said: ${scope}`,
+        scope.includes('named inputs only') && scope.includes('not for clinical use'),
+      );
+      await isAccessible(page, 'the band');
+      await page.screenshot({ path: `${output}/band.png` });
+      for (const part of ['sobol', 'band-samples', 'compute-band']) {
+        await page.locator(id(part)).evaluate((element) => element.scrollIntoView({ block: 'center' }));
+        await page.screenshot({ path: `${output}/band-${part}.png` });
+      }
+      const loading = page.waitForEvent('download');
+      await page.click(id('band-report'));
+      const report = readFileSync(await (await loading).path(), 'utf8');
+      check('the report is that of the band', report.includes('Sobol') && report.includes('not for clinical use'));
+      await put('/plan', {
+        ...PLAN,
+        segments: [
+          { ...PLAN.segments[0], path: { steps: 4, keyframes: [{ path_fraction: 1, translation_mm: [0, -2, 0] }] } },
+        ],
+      });
+      await page.waitForSelector(id('stale-band'));
+      await page.getByText('this band is of another plan or scan').first().waitFor();
+      check('a band that is out of date is not exported', (await page.locator(id('band-report')).count()) === 0);
+      await page.screenshot({ path: `${output}/band-stale.png` });
+      await put('/plan', PLAN);
+      await page.waitForSelector(id('band-banner'));
+      await page.getByRole('button', { name: 'Faces', exact: true }).click();
+      await page.waitForSelector(id('distance-table'));
+    },
+    { width: 1440, height: 900 },
   ));
 
 test('slices show the bone before and after, with the keyboard only', () =>

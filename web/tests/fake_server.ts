@@ -16,6 +16,7 @@ const STAGES = [
   'preview',
   'prediction',
   'comparison',
+  'uncertainty',
 ] as const satisfies readonly (keyof Stages)[];
 
 const notReady = (): ApiError => new ApiError(409, 'not_ready', 'not ready');

@@ -112,6 +112,7 @@ export class Client {
   prediction = () => this.get('Prediction', '/prediction');
   previewDistance = () => this.get('PreviewDistance', '/preview/distance');
   comparison = () => this.get('Comparison', '/comparison');
+  uncertainty = () => this.get('Uncertainty', '/uncertainty');
   stepRegions = (step: number) => this.get('RegionShifts', `/prediction/steps/${step}/regions`);
   files = async () => (await this.get('FileList', '/files')).files;
   plan = () => this.getTagged('Plan', '/plan');

@@ -538,6 +538,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/uncertainty": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Results of `lefort uncertainty` in the folder uncertainty of the case: band of the predicted face, Sobol indices, convergence. The map is surface band */
+        get: operations["getUncertainty"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/values/{values}": {
         parameters: {
             query?: never;
@@ -640,6 +657,7 @@ export interface components {
                 preview: components["schemas"]["Stage"];
                 prediction: components["schemas"]["Stage"];
                 comparison: components["schemas"]["Stage"];
+                uncertainty: components["schemas"]["Stage"];
             };
             example_available: boolean;
             /** @description Kinds of jobs of this server. */
@@ -658,7 +676,7 @@ export interface components {
             bytes: number;
         };
         /** @enum {unknown} */
-        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare";
+        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty";
         JobRequest: {
             /** @constant */
             kind: "import";
@@ -694,6 +712,11 @@ export interface components {
             kind: "compare";
             /** @description The face after surgery, a surface; or a scan after surgery. */
             upload: string;
+        } | {
+            /** @constant */
+            kind: "uncertainty";
+            /** @description Of the coarse model. Default 200. Solved samples of an earlier job are used again. */
+            samples?: number;
         };
         /** @enum {unknown} */
         JobState: "queued" | "running" | "done" | "failed" | "cancelled" | "interrupted";
@@ -851,10 +874,10 @@ export interface components {
             };
         };
         /**
-         * @description interface: boundary of the tissue mesh of the present plan at rest, with arrays condition and rule (values of /boundary). after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone.
+         * @description interface: boundary of the tissue mesh of the present plan at rest, with arrays condition and rule (values of /boundary). after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone. band: the median face of the uncertain inputs, with arrays band_width_mm, p5_mm and p95_mm (offsets from the median along the normal); 0 where the skin is not part of the mesh.
          * @enum {unknown}
          */
-        SurfaceName: "skin" | "skull" | "remainder" | "interface" | "skin_before" | "predicted" | "after_surgery";
+        SurfaceName: "skin" | "skull" | "remainder" | "interface" | "skin_before" | "predicted" | "after_surgery" | "band";
         /**
          * @description contact-pressure [kPa] and contact-depth [mm, increase of penetration since rest]: on the segment's surface after the last step. difference: on surface predicted, the signed distance to the face after surgery [mm], positive outside.
          * @enum {unknown}
@@ -1043,6 +1066,117 @@ export interface components {
             } | null;
             warnings: string[];
         };
+        Interval: number[];
+        /** @description Of an uncertain input; the kind decides which numbers it has. */
+        Distribution: {
+            /** @enum {unknown} */
+            kind: "normal" | "truncated normal" | "uniform" | "lognormal" | "triangular" | "discrete";
+            mean?: number;
+            standard_deviation?: number;
+            low?: number;
+            high?: number;
+            mode?: number;
+            values?: number[];
+            probabilities?: number[];
+        };
+        UncertainInput: {
+            name: string;
+            parameter: string;
+            meaning: string;
+            /** @description Empty for ratios. */
+            unit: string;
+            group: string;
+            distribution: components["schemas"]["Distribution"];
+            mean: number;
+            standard_deviation: number;
+            /** @description Where the distribution comes from. */
+            source: string;
+            /** @description Values at which the prediction is computed; null: all. */
+            levels: null | components["schemas"]["Distribution"];
+        };
+        SobolIndex: {
+            /** @description Of the input or the group of inputs. */
+            name: string;
+            /** @description Fraction of the variance by the input alone. */
+            first: number;
+            /** @description With interactions. */
+            total: number;
+            first_interval?: components["schemas"]["Interval"];
+            total_interval?: components["schemas"]["Interval"];
+        };
+        FailedSamples: {
+            sample: number;
+            reason: string;
+        }[];
+        /** @description Of uncertainty.json (contract/uncertainty.schema.json), without the table of the samples. The band covers the named inputs only. */
+        Uncertainty: {
+            /** @description Research software, not for clinical use. */
+            notice: string;
+            /** @description Of the program. */
+            version: string;
+            seed: number;
+            inputs: components["schemas"]["UncertainInput"][];
+            /** @description Inputs that were left out, and why. */
+            inputs_without_effect: string[];
+            samples: {
+                count: number;
+                failed: number;
+                /** @description More than 5 % of the samples failed. */
+                biased: boolean;
+                failures: components["schemas"]["FailedSamples"];
+                /** @description Samples of the mesh of the plan. */
+                fine: number;
+                fine_failures: components["schemas"]["FailedSamples"];
+            };
+            /** @description Combinations of levels. */
+            models: number;
+            /** @description The moved skin, then regions of the face. */
+            regions: {
+                region: string;
+                area_mm2: number;
+                mean_band_mm: number;
+                max_band_mm: number;
+                mean_standard_deviation_mm: number;
+                /** @description Of the surrogate, cross-validated; 1 is exact. */
+                q2: number | null;
+                /** @description Of each input, in their order. */
+                sobol: components["schemas"]["SobolIndex"][];
+                /** @description Of groups of inputs. */
+                sobol_groups: components["schemas"]["SobolIndex"][];
+            }[];
+            /** @description Of both meshes. */
+            element_size_mm: {
+                coarse: number;
+                fine: number;
+            };
+            /** @description Width P95 - P5 along the normal, mean over the moved skin [mm]. */
+            mean_band_mm: number;
+            /** @description By samples of the mesh of the plan; null without them. */
+            correction: {
+                samples: number;
+                mean_absolute_mm: number;
+                rms_by_inputs_mm: number;
+                cross_validated_rms_error_mm: number;
+                correlation: number;
+                /** @description Mean band width with minus without the correction [mm]. */
+                mean_band_change_mm: number;
+            } | null;
+            /** @description The estimate from the first samples. */
+            convergence: {
+                samples: number;
+                mean_band_mm: number;
+                interval_mm: components["schemas"]["Interval"];
+                q2: number | null;
+            }[];
+            /** @description Samples solved along the whole path, compared with those solved from the nominal equilibrium; null without. */
+            path_check: {
+                samples: number;
+                mean_difference_mm: number;
+                max_difference_mm: number;
+            } | null;
+            /** @description Of all bootstrap intervals. */
+            interval_level: number;
+        };
         PredictionStep: {
             step: number;
             path_fraction: number;
@@ -1071,7 +1205,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -2040,6 +2174,29 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Comparison"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getUncertainty: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Uncertainty"];
                 };
             };
             default: components["responses"]["Refused"];

@@ -14,5 +14,6 @@ export * from './ray';
 export * from './section';
 export * from './solve';
 export * from './store';
+export * from './uncertainty';
 export * from './units';
 export * from './window';

@@ -9,16 +9,30 @@ export interface Surface {
 /**
  * Intersection of a plane and a surface as line segments, 6 numbers each, mm in L. For drawing, not for measuring.
  */
-export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32Array {
+export const sectionOf = (surface: Surface, point: Vec3, normal: Vec3): Float32Array =>
+  sectionsOf(surface, [surface.points], point, normal)[0];
+
+/**
+ * The section of a surface, and where the same points of its material lie if the vertices have other positions: one
+ * list of line segments for each of `positions`.
+ */
+export function sectionsOf(
+  surface: Surface,
+  positions: readonly Float32Array[],
+  point: Vec3,
+  normal: Vec3,
+): Float32Array[] {
   const { points, triangles } = surface;
   const offset = point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2];
   const height = new Float32Array(points.length / 3);
   for (let n = 0; n < height.length; n++)
     height[n] = points[3 * n] * normal[0] + points[3 * n + 1] * normal[1] + points[3 * n + 2] * normal[2] - offset;
-  const lines: number[] = [];
+  const lines = positions.map((): number[] => []);
   const cross = (a: number, b: number): void => {
     const t = height[a] / (height[a] - height[b]);
-    for (let c = 0; c < 3; c++) lines.push(points[3 * a + c] + t * (points[3 * b + c] - points[3 * a + c]));
+    positions.forEach((at, k) => {
+      for (let c = 0; c < 3; c++) lines[k].push(at[3 * a + c] + t * (at[3 * b + c] - at[3 * a + c]));
+    });
   };
   for (let t = 0; t < triangles.length; t += 3) {
     const a = triangles[t];
@@ -38,7 +52,7 @@ export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32A
       cross(c, b);
     }
   }
-  return Float32Array.from(lines);
+  return lines.map((list) => Float32Array.from(list));
 }
 
 /** Intersection of a plane of L and a surface at pose X_LB; lines in L. */

@@ -19,7 +19,7 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
   movement: /^(skull|skin|remainder|segments\/.+)$/,
   tissue: /^(skull|skin|remainder|interface|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
-  compare: /^(skin_before|predicted|after_surgery|remainder|segments\/.+)$/,
+  compare: /^(skin_before|predicted|after_surgery|band|remainder|segments\/.+)$/,
 };
 
 export const STEP_KEY = 'lefort-step';
@@ -199,9 +199,15 @@ export class CaseSync {
     planner.patch({ surfacesLoading: Math.max(0, model.s.surfacesLoading - 1) });
   }
 
-  private async receiveSurface(name: string): Promise<{ shown: Surface } & Pick<LoadedSurface, 'condition'>> {
+  private async receiveSurface(name: string): Promise<{ shown: Surface } & Pick<LoadedSurface, 'condition' | 'band'>> {
     const { client, model } = this.planner;
     const { points, triangles, scalars } = await client.surface(name);
+    if (name === 'band') {
+      const values = (array: string): Float32Array =>
+        scalars.get(array)?.slice() ?? new Float32Array(points.length / 3);
+      const band = { width_mm: values('band_width_mm'), p5_mm: values('p5_mm'), p95_mm: values('p95_mm') };
+      return { shown: { points, triangles }, band };
+    }
     if (name !== 'interface') return { shown: { points, triangles } };
     const { rules } = model.s.boundary ?? (await client.boundary());
     const skin = rules.find((rule) => rule.name === 'skin')?.value;

@@ -45,6 +45,7 @@ export class CompareView {
 
   present(s: State): void {
     const { view } = this;
+    if (s.step === 'compare' && s.compareView === 'band') return;
     if (s.step !== 'compare' || !view.body('skin_before') || !view.body('predicted') || !s.prediction?.converged) {
       view.setLayout({ mode: 'single' });
       if (s.step === 'compare') view.show([]);

@@ -9,6 +9,7 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   'preview-factor': 'Preparing the preview',
   predict: 'Predicting the face',
   compare: 'Comparing',
+  uncertainty: 'Computing the band',
 };
 
 /** Lines of output that are kept of each job. */

@@ -2,17 +2,32 @@ import type { Schemas } from '../api';
 import { roundUp } from '../model';
 import { isNotFound, messageOf } from './errors';
 import type { Planner } from './planner_context';
-import { stageOf } from './state';
+import { stageOf, type State } from './state';
 
-/** The prediction and its comparison, read from the server. */
+/** The prediction, its comparison and its band, read from the server. */
 export class Outcome {
   private stepData = new Map<number, Float32Array>();
   private readonly regions = new Map<string, Schemas['RegionShifts']>();
+  private uncertaintyEtag: string | null = null;
   private readonly kept = new Map<string, { etag: string | null; data: Float32Array | null }>();
 
   constructor(private readonly planner: Planner) {}
 
   async load(): Promise<void> {
+    await Promise.all([this.loadPrediction(), this.loadUncertainty()]);
+  }
+
+  /** Reads the results of `lefort uncertainty`, which the job or the command line has written. */
+  private async loadUncertainty(): Promise<void> {
+    const { planner } = this;
+    const { etag } = stageOf(planner.model.s, 'uncertainty');
+    if (etag === this.uncertaintyEtag) return;
+    this.uncertaintyEtag = etag;
+    const uncertainty = etag === null ? null : await planner.attempt(() => planner.client.uncertainty());
+    if (this.uncertaintyEtag === etag) planner.patch({ uncertainty, bandRegion: 0 });
+  }
+
+  private async loadPrediction(): Promise<void> {
     const { planner } = this;
     const stage = stageOf(planner.model.s, 'prediction');
     if (stage.state === 'missing') {
@@ -100,6 +115,12 @@ export class Outcome {
     });
     this.kept.set(key, { etag, data });
     return data;
+  }
+
+  /** Selects what the comparison shows. The command line may have written a band since the case was read. */
+  async show(compareView: State['compareView']): Promise<void> {
+    this.planner.patch({ compareView });
+    if (compareView === 'band') await this.planner.attempt(() => this.planner.reload());
   }
 
   /** Compares the prediction with a scan after surgery, or with a surface of the face. */

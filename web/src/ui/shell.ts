@@ -156,6 +156,17 @@ function rail(app: App, s: State): Html {
   </nav>`;
 }
 
+function bandBanner(s: State): Html {
+  if (s.step !== 'compare' || s.compareView !== 'band' || !s.uncertainty) return nothing;
+  return stageOf(s, 'uncertainty').state === 'stale'
+    ? html`<div class="banner warning" data-id="stale-band">
+        Out of date <small>this band is of another plan or scan</small>
+      </div>`
+    : html`<div class="banner" data-id="band-banner">
+        Width of the band P5 to P95 <small>by the named inputs only; a simulation</small>
+      </div>`;
+}
+
 function banners(s: State): Html {
   const stage = stageOf(s, 'prediction');
   const previewing =
@@ -182,12 +193,13 @@ function banners(s: State): Html {
           >
         </div>`
       : nothing}
-    ${s.step === 'compare' && stage.state === 'stale'
+    ${bandBanner(s)}
+    ${s.step === 'compare' && s.compareView === 'faces' && stage.state === 'stale'
       ? html`<div class="banner warning" data-id="stale-banner">
           Out of date <small>the plan has changed since this face was predicted</small>
         </div>`
       : nothing}
-    ${s.step === 'compare' && stage.state === 'fresh'
+    ${s.step === 'compare' && s.compareView === 'faces' && stage.state === 'fresh'
       ? html`<div class="banner">
           Prediction <small>a simulation; step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}</small>
         </div>`
@@ -225,6 +237,10 @@ function covers(app: App, s: State): Html {
             button('To the case', () => app.setStep('case'), { kind: 'primary' }),
           )}
         </div>`;
+  if (s.step === 'compare' && s.compareView === 'band')
+    return stageOf(s, 'uncertainty').etag === null
+      ? html`<div class="cover">${empty('No band yet', 'It is computed in the panel on the right.')}</div>`
+      : nothing;
   if (s.step === 'compare' && stageOf(s, 'prediction').state === 'missing')
     return html`<div class="cover">
       ${empty(

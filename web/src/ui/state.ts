@@ -3,6 +3,7 @@ import {
   startHistory,
   Store,
   emptyPlan,
+  type Band,
   type DrawnSurface,
   type Grid,
   type History,
@@ -147,6 +148,16 @@ export interface State {
   wipe: number;
   distanceTop_mm: number;
 
+  /** The step of the comparison shows the faces, or the band of the uncertain inputs. */
+  compareView: 'faces' | 'band';
+  uncertainty: Schemas['Uncertainty'] | null;
+  /** Upper end of the legend of the band width. */
+  bandTop_mm: number;
+  /** Number of the region whose indices are listed. */
+  bandRegion: number;
+  /** Samples of the next computation. */
+  bandSamples: number;
+
   toasts: readonly Toast[];
   help: boolean;
   theme: 'system' | 'light' | 'dark';
@@ -230,6 +241,11 @@ const initialResults = () =>
     showBones: false,
     wipe: 0.5,
     distanceTop_mm: 1,
+    compareView: 'faces',
+    uncertainty: null,
+    bandTop_mm: 1,
+    bandRegion: 0,
+    bandSamples: 200,
     toasts: [],
     help: false,
     theme: 'system',
@@ -249,6 +265,8 @@ export interface LoadedSurface {
   surface: DrawnSurface;
   /** Condition of each vertex of the surface `interface`: values of Boundary.conditions. */
   condition?: Uint8Array;
+  /** Of the surface `band`. */
+  band?: Band;
 }
 
 /** All data of the page. Large arrays are not part of the state, because no text depends on them. */

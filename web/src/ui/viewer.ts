@@ -14,6 +14,7 @@ import {
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type BodyHit, type Phase, type SliceLines } from '../scene';
 import type { App } from './app';
+import { BandView } from './band_view';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
 import type { SceneListeners } from './planner_context';
@@ -52,7 +53,7 @@ const DRAWN_KEYS: readonly (keyof State)[] = [
   ] as const),
   ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
   ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
-  ...(['showBones', 'wipe'] as const),
+  ...(['showBones', 'wipe', 'compareView', 'uncertainty'] as const),
 ];
 
 const SLICE_KEYS: readonly (keyof State)[] = ['window', 'cursor_L', 'thresholdOn', 'bone_hu', 'volume'];
@@ -64,11 +65,14 @@ const isPosed = (step: State['step']): boolean => step === 'movement' || step ==
 const isCutShown = (s: State): boolean =>
   isPosed(s.step) || s.step === 'tissue' || (s.step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh');
 
+const isBandShown = (s: State): boolean => s.step === 'compare' && s.compareView === 'band';
+
 /** Draws the document and the state in the 3D view and on the slices. */
 export class Viewer implements SceneListeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
   compare!: CompareView;
+  band!: BandView;
   profileDrag!: ProfileDrag;
   private boundary!: BoundaryView;
   private input!: ViewerInput;
@@ -116,6 +120,7 @@ export class Viewer implements SceneListeners {
   attach(app: App): void {
     this.app = app;
     this.compare = new CompareView(this.view, app);
+    this.band = new BandView(this.view, app);
     this.profileDrag = new ProfileDrag(app, () => this.view.body('skin'));
     this.boundary = new BoundaryView(this.view, app);
     this.input = new ViewerInput(app, () => this.present());
@@ -128,19 +133,21 @@ export class Viewer implements SceneListeners {
   onSurface(name: string, surface: DrawnSurface | null): void {
     if (!surface) {
       this.view.removeBody(name);
+      this.band.surfaceChanged(name);
       this.present();
       return;
     }
     const index = this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name);
     const color = name.startsWith('segments/')
       ? segmentColor(Math.max(0, index))
-      : /skin|predicted|after_surgery/.test(name)
+      : /skin|predicted|after_surgery|band/.test(name)
         ? SKIN
         : BONE;
     this.view.setBody(name, surface, color);
     this.surfaceCount++;
     this.previewKey = this.depthKey = '';
     this.compare.surfaceChanged(name);
+    this.band.surfaceChanged(name);
     this.present();
   }
 
@@ -218,6 +225,7 @@ export class Viewer implements SceneListeners {
     this.presentGizmo(s);
     this.presentSlices(s);
     this.compare.present(s);
+    if (isBandShown(s)) this.band.present();
     this.view.refreshMarkers();
   }
 
@@ -235,6 +243,7 @@ export class Viewer implements SceneListeners {
   }
 
   private bodies(s: State): string[] {
+    if (isBandShown(s)) return ['band'];
     if (s.step === 'compare') return this.compare.bodies(s);
     const segments = this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`);
     const isCut =

@@ -1,4 +1,5 @@
 import { html, nothing } from 'lit-html';
+import type { Schemas } from '../../api';
 import { bytes } from '../../model';
 import type { App } from '../app';
 import { profilePlot } from '../plot';
@@ -7,6 +8,7 @@ import type { Viewer } from '../viewer';
 import { button, chip, empty, hint, icon, notice, section, segmented, toggle, type Html } from '../widgets';
 import { afterSurgerySection } from './after_surgery_section';
 import { legend, missingRegions, regionName, valueCells } from './region_table';
+import { uncertaintyPanel } from './uncertainty_panel';
 
 const FILE_WORDS: Record<string, string> = {
   'report.html': 'Report with pictures and numbers',
@@ -26,6 +28,11 @@ const FILE_WORDS: Record<string, string> = {
   'difference.vtp': 'Predicted face with its distance to the face after surgery',
   'movements.csv': 'Movements of the segments',
   'skin_after.vtp': 'Face after surgery, registered to the scan before surgery',
+  'uncertainty_report.html': 'Report of the band by uncertain inputs',
+  'uncertainty.json': 'All results of the band',
+  'uncertainty.vtp': 'Median face with its band',
+  'samples.csv': 'Samples of the uncertain inputs',
+  'uncertain_inputs.json': 'Inputs of the band, with distributions',
 };
 
 const MODES = [
@@ -40,21 +47,30 @@ const BONE_PAINTS = [
   { value: 'depth', text: 'Depth', title: 'Increase of the penetration of tissue into bone since the rest state' },
 ] as const;
 
-export function comparePanel(app: App, s: State, view: Viewer): Html {
+const COMPARE_VIEWS = [
+  { value: 'faces', text: 'Faces', title: 'The face before surgery and the predicted one' },
+  { value: 'band', text: 'Uncertainty', title: 'The band of the predicted face by uncertain inputs' },
+] as const;
+
+const stateChip = (state: Schemas['Stage']['state']): Html => (state === 'missing' ? nothing : chip(state));
+
+export const comparePanel = (app: App, s: State, view: Viewer): Html =>
+  html`<h2>Compare ${stateChip(stageOf(s, s.compareView === 'band' ? 'uncertainty' : 'prediction').state)}</h2>
+    ${segmented('What is shown', COMPARE_VIEWS, s.compareView, (v) => void app.outcome.show(v))}
+    ${s.compareView === 'band' ? uncertaintyPanel(app, s, view) : facesPanel(app, s, view)}`;
+
+function facesPanel(app: App, s: State, view: Viewer): Html {
   const stage = stageOf(s, 'prediction');
   const toPrediction = button('To the prediction', () => app.setStep('predict'));
   if (stage.state === 'missing' || stage.state === 'running' || !s.prediction)
-    return html`<h2>Compare</h2>
-      ${empty(
-        'No prediction yet',
-        stage.state === 'running' ? 'The prediction is running.' : 'Predict the face first.',
-        toPrediction,
-      )}`;
+    return empty(
+      'No prediction yet',
+      stage.state === 'running' ? 'The prediction is running.' : 'Predict the face first.',
+      toPrediction,
+    );
   if (!s.prediction.converged)
-    return html`<h2>Compare ${chip('unconverged')}</h2>
-      ${notice('error', 'Not converged: there is no face to compare', s.prediction.failure)}${toPrediction}`;
+    return html`${notice('error', 'Not converged: there is no face to compare', s.prediction.failure)}${toPrediction}`;
   return html`
-    <h2>Compare ${chip(stage.state)}</h2>
     ${stage.state === 'stale' ? notice('warning', 'Out of date: predicted for an earlier plan', stage.why) : nothing}
     ${segmented('Comparison mode', MODES, s.compareMode, (v) => app.patch({ compareMode: v }))} ${showSection(app, s)}
     ${displacementSection(s)} ${afterSurgerySection(app, s)} ${profileSection(view)} ${exportSection(app, s, view)}
@@ -142,24 +158,30 @@ function exportSection(app: App, s: State, view: Viewer): Html {
   );
 }
 
-const fileList = (app: App, s: State): Html =>
-  html`<details>
+const fileList = (app: App, s: State): Html => {
+  // A band can be out of date if the prediction is not.
+  const isExported = ({ stage }: { stage: string }): boolean =>
+    stage !== 'uncertainty' || stageOf(s, 'uncertainty').state === 'fresh';
+  return html`<details>
     <summary>All files</summary>
     <div class="list">
-      ${s.files.map(
-        (file) =>
-          html` <button type="button" class="list-main" @click=${() => void app.download(file.name)}>
-            ${icon('download')}<span title=${FILE_WORDS[file.name] ?? ''}>${file.name}</span
-            ><span class="hint">${bytes(file.bytes)}</span>
-          </button>`,
-      )}
+      ${s.files
+        .filter(isExported)
+        .map(
+          (file) =>
+            html` <button type="button" class="list-main" @click=${() => void app.download(file.name)}>
+              ${icon('download')}<span title=${FILE_WORDS[file.name] ?? ''}>${file.name}</span
+              ><span class="hint">${bytes(file.bytes)}</span>
+            </button>`,
+        )}
     </div>
   </details>`;
+};
 
 /** Slider of the step: before surgery at the left, the planned position at the right. */
 export function compareDock(app: App, s: State): Html {
   const steps = s.prediction?.converged ? s.prediction.steps.length : 0;
-  if (steps === 0) return nothing;
+  if (steps === 0 || s.compareView === 'band') return nothing;
   return html` <div class="dock">
     <span class="hint">Along the path</span>
     <div class="timeline">
