@@ -76,8 +76,7 @@ TEST_F(UncertaintyCommand, BandOfAMovementIsThatOfItsDistribution) {
   EXPECT_EQ(result["inputs"].size(), 4u);
   EXPECT_EQ(result["correction"]["samples"], 3);
   EXPECT_GT(result["regions"][0]["q2"].get<double>(), 0.9);
-  // Without the correction, for which three samples are few. The front of the ball moves with its
-  // bone: the shifts along the three axes decide.
+  // The front of the ball moves with its bone: the shifts along the three axes decide.
   ASSERT_EQ(run("coarse", "--fine 0 --path-checks 0 --no-pictures").exit_code, 0);
   const json coarse = test::read_result(folder_ / "coarse/uncertainty.json", "uncertainty");
   double of_shifts = 0.0;
@@ -85,11 +84,20 @@ TEST_F(UncertaintyCommand, BandOfAMovementIsThatOfItsDistribution) {
     of_shifts += index_of(coarse, std::string("front ") + axis)["first"].get<double>();
   EXPECT_GT(of_shifts, 0.8);
   EXPECT_LT(index_of(coarse, "poisson")["total"].get<double>(), 0.2);
-  const auto width = io::read_vertex_array(folder_ / "coarse/uncertainty.vtp", "band_width_mm");
-  ASSERT_TRUE(width) << width.error().message;
-  // Skin cannot move by more than the bone: 2 x 1.645 x 0.5 mm, and what bulges.
-  EXPECT_GT(*std::max_element(width->begin(), width->end()), 0.8);
-  EXPECT_LT(*std::max_element(width->begin(), width->end()), 2.2);
+  // Quantiles of 200 samples of the plan's mesh themselves, without a surrogate: 1.79 mm at most
+  // (docs/studies/uncertainty.md). The bone has 2 x 1.645 x 0.5 = 1.64 mm along each direction.
+  constexpr double kDirect_mm = 1.79, kRelative = 0.08;
+  for (const char* folder : {"out", "coarse"}) {
+    const auto width = io::read_vertex_array(folder_ / folder / "uncertainty.vtp", "band_width_mm");
+    ASSERT_TRUE(width) << width.error().message;
+    EXPECT_NEAR(*std::max_element(width->begin(), width->end()), kDirect_mm, kRelative * kDirect_mm)
+        << folder;
+  }
+  // Three samples show no dependence of the correction on the inputs: the indices are the same.
+  for (const json& one : coarse["regions"][0]["sobol"])
+    EXPECT_NEAR(one["first"].get<double>(),
+                index_of(result, one["name"].get<std::string>())["first"].get<double>(), 1e-9);
+  EXPECT_NEAR(result["correction"]["mean_band_change_mm"].get<double>(), 0.0, 1e-9);
   EXPECT_LT(result["path_check"]["mean_difference_mm"].get<double>(), 0.05);
   test::expect_schema(bytes("out/inputs.json"), "uncertain_inputs");
   EXPECT_NE(bytes("out/report.html").find("not for clinical use"), std::string::npos);
@@ -133,6 +141,14 @@ TEST_F(UncertaintyCommand, InvalidInputsAreNamed) {
   EXPECT_NE(message(inputs).find("poisson: the quantile"), std::string::npos);
   inputs["inputs"][0]["distribution"] = {{"kind", "uniform"}, {"mean", 0.3}};
   EXPECT_NE(message(inputs).find("needs the key low"), std::string::npos);
+  // Seven levels reach 3.75 standard deviations, beyond the quantile of 0.1 %.
+  inputs["inputs"].push_back(
+      {{"parameter", "elevation_margin_mm"},
+       {"source", "test"},
+       {"levels", 7},
+       {"distribution", {{"kind", "normal"}, {"mean", 20}, {"standard_deviation", 6}}}});
+  inputs["inputs"].erase(0);
+  EXPECT_NE(message(inputs).find("elevation_margin_mm: sample"), std::string::npos);
   inputs = two_inputs();
   inputs["inputs"][1]["segment"] = "maxilla";
   EXPECT_NE(message(inputs).find("no segment maxilla"), std::string::npos);

@@ -162,10 +162,12 @@ export function bandFrame(section: BandSection): ProfileFrame | null {
 
 /** SVG path of the area between P5 and P95. */
 export function bandPath(section: BandSection, frame: ProfileFrame): string {
-  const { low, high } = section;
+  const { low, middle, high } = section;
+  const end = frame.lowY + frame.depth;
   let d = '';
   for (let n = 0; n < low.length; n += 6) {
-    if (!(widthAt(section, n) > 0) || low[n + 1] > frame.lowY + frame.depth + MARGIN_MM) continue;
+    // As in profilePath.
+    if (!(widthAt(section, n) > 0) || (middle[n + 1] > end && middle[n + 4] > end)) continue;
     const corners = [
       toDrawing(frame, low[n + 1], low[n + 2]),
       toDrawing(frame, low[n + 4], low[n + 5]),

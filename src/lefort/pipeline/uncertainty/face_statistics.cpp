@@ -174,14 +174,16 @@ CorrectionStatistics describe_correction(const FaceStatistics& all, const BandMe
 }
 
 /// Removes the dependence of a mode on the inputs if the mean of the samples predicts a sample that
-/// was left out as well: few samples then show no dependence.
+/// was left out as well: few samples then show no dependence. Three never do: two of them determine
+/// no slope with an error, so that both predictions are the mean, up to round-off.
 void keep_what_predicts(FittedField& correction) {
+  constexpr double kSame = 1e-9;
   const Index count = correction.cv_errors.rows();
   for (Index k = 0; k < correction.cv_errors.cols(); ++k) {
     // Scores have the mean 0; that of the others is -score / (count - 1).
     const VectorX of_mean =
         -correction.modes.scores.col(k) * double(count) / double(std::max<Index>(1, count - 1));
-    if (correction.cv_errors.col(k).squaredNorm() < of_mean.squaredNorm()) continue;
+    if (correction.cv_errors.col(k).squaredNorm() < (1.0 - kSame) * of_mean.squaredNorm()) continue;
     correction.cv_errors.col(k) = of_mean;
     correction.surrogate.coefficients.col(k).setZero();
   }

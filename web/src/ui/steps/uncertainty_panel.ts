@@ -139,12 +139,15 @@ const widthTable = ({ regions }: Uncertainty): Html =>
 
 function profileSection(view: Viewer): Html {
   const band = view.band.profile();
-  const plot = band && bandProfilePlot(band, view.compare.profile()?.before ?? null);
+  const before = view.compare.profile()?.before ?? null;
+  const plot = band && bandProfilePlot(band, before);
   if (!plot) return nothing;
   return section(
     'Profile with the band',
     plot,
-    hint('In the mid-sagittal plane, from the right. Line: median; area: P5 to P95; dashed: before.'),
+    hint(
+      `In the mid-sagittal plane, from the right. Line: median; area: P5 to P95${before ? '; dashed: before' : ''}.`,
+    ),
   );
 }
 
