@@ -76,12 +76,12 @@ TEST(FieldModes, EqualSamplesHaveNone) {
 TEST(FieldSurrogate, BandOfClosedForms) {
   const Fields fields = make_fields(100, 300);
   const FittedField fitted =
-      fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {});
+      fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {}).value();
   const std::vector<Distribution> inputs{fields.inputs[0].distribution,
                                          fields.inputs[1].distribution};
   const Eigen::MatrixXd scores =
       scores_at(fitted.surrogate, points_at(inputs, nested_latin_hypercube(2, 4000, 9)));
-  const FieldBand band = field_band(fitted.surrogate, scores, kProbabilities);
+  const FieldBand band = field_band(fitted.surrogate, scores, kProbabilities).value();
   EXPECT_NEAR(band.quantiles[0].back(), 3.0 - 0.5 * 1.6449, 0.02);
   EXPECT_NEAR(band.quantiles[1].back(), 3.0, 0.01);
   EXPECT_NEAR(band.quantiles[2].back(), 3.0 + 0.5 * 1.6449, 0.02);
@@ -97,7 +97,8 @@ TEST(FieldSurrogate, ACorrectionFromFewSamplesIsAdded) {
   for (std::size_t i = 0; i < coarse.size(); ++i)
     for (float& value : coarse[i])
       value -= float(0.2 + 0.3 * fields.points(Index(i), 0));  // The error of the coarse model.
-  const FittedField rough = fit_field(fields.inputs, fields.points, coarse, fields.weights, {});
+  const FittedField rough =
+      fit_field(fields.inputs, fields.points, coarse, fields.weights, {}).value();
   std::vector<std::vector<float>> differences;
   for (std::size_t i = 0; i < 8; ++i) {
     differences.emplace_back();
@@ -105,7 +106,8 @@ TEST(FieldSurrogate, ACorrectionFromFewSamplesIsAdded) {
       differences.back().push_back(fields.samples[i][v] - coarse[i][v]);
   }
   const FittedField correction = fit_field(fields.inputs, fields.points.topRows(8), differences,
-                                           fields.weights, {.basis = {.max_degree = 1}});
+                                           fields.weights, {.basis = {.max_degree = 1}})
+                                     .value();
   const FieldSurrogate sum = add(rough.surrogate, correction.surrogate);
   const Eigen::MatrixXd scores = scores_at(sum, fields.points);
   for (Index i = 0; i < 100; ++i)
@@ -119,12 +121,30 @@ TEST(FieldSurrogate, BitsDoNotDependOnTheNumberOfThreads) {
   const auto band = [&](int threads) {
     const ThreadLimit limit(threads);
     const FittedField fitted =
-        fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {});
-    return field_band(fitted.surrogate, scores_at(fitted.surrogate, fields.points), kProbabilities);
+        fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {}).value();
+    return field_band(fitted.surrogate, scores_at(fitted.surrogate, fields.points), kProbabilities)
+        .value();
   };
   const FieldBand one = band(1), four = band(4);
   EXPECT_EQ(one.quantiles, four.quantiles);
   EXPECT_EQ(one.standard_deviation, four.standard_deviation);
+}
+
+TEST(FieldSurrogate, FitAndBandAreCancelled) {
+  struct Stop : Progress {
+    [[nodiscard]] bool stop_requested() const override { return true; }
+  } stop;
+  const Fields fields = make_fields(100, 50);
+  const auto fit =
+      fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {}, stop);
+  ASSERT_FALSE(fit);
+  EXPECT_EQ(fit.error().code, ErrorCode::kCancelled);
+  const FittedField fitted =
+      fit_field(fields.inputs, fields.points, fields.samples, fields.weights, {}).value();
+  const auto band = field_band(fitted.surrogate, scores_at(fitted.surrogate, fields.points),
+                               kProbabilities, stop);
+  ASSERT_FALSE(band);
+  EXPECT_EQ(band.error().code, ErrorCode::kCancelled);
 }
 
 TEST(SampleQuantile, IsLinearBetweenOrderStatistics) {

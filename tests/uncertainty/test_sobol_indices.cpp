@@ -13,7 +13,8 @@ FittedField fit_scalar(const ModelRun& made, const BasisOptions& options = {}) {
   std::vector<std::vector<float>> samples;
   for (const double value : made.values) samples.push_back({float(value)});
   return fit_field(made.inputs, made.points, samples, std::vector<double>{1.0},
-                   {.variance_fraction = 1.0, .basis = options});
+                   {.variance_fraction = 1.0, .basis = options})
+      .value();
 }
 
 Eigen::MatrixXd whole(const FittedField& fitted) {

@@ -29,9 +29,10 @@ FieldSurrogate without_unused_terms(FieldSurrogate surrogate) {
 
 }  // namespace
 
-FittedField fit_field(const std::vector<ChaosInput>& inputs, const Eigen::MatrixXd& points,
-                      std::span<const std::vector<float>> samples, std::span<const double> weights,
-                      const FieldFitOptions& options) {
+Result<FittedField> fit_field(const std::vector<ChaosInput>& inputs, const Eigen::MatrixXd& points,
+                              std::span<const std::vector<float>> samples,
+                              std::span<const double> weights, const FieldFitOptions& options,
+                              Progress& progress) {
   LEFORT_CHECK(points.rows() == Index(samples.size()) && samples.size() >= 3);
   FittedField fitted;
   fitted.modes = find_modes(samples, weights, options.variance_fraction);
@@ -41,16 +42,23 @@ FittedField fit_field(const std::vector<ChaosInput>& inputs, const Eigen::Matrix
   fitted.fits.resize(std::size_t(modes));
   fitted.cv_errors.resize(points.rows(), modes);
   const Index folds = std::min(options.folds, points.rows());
-  parallel_for(
-      modes,
-      [&](Index k) {
-        const VectorX scores = fitted.modes.scores.col(k);
-        ChaosFit& fit = fitted.fits[std::size_t(k)];
-        fit = fit_chaos(fitted.basis_values, basis.candidate_ends, scores);
-        fitted.cv_errors.col(k) =
-            cross_validate(fitted.basis_values, basis.candidate_ends, fit.candidate, scores, folds);
-      },
-      1);
+  constexpr Index kBatch = 8;  // Modes.
+  for (Index begin = 0; begin < modes; begin += kBatch) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
+    const Index count = std::min(kBatch, modes - begin);
+    parallel_for(
+        count,
+        [&](Index n) {
+          const Index k = begin + n;
+          const VectorX scores = fitted.modes.scores.col(k);
+          ChaosFit& fit = fitted.fits[std::size_t(k)];
+          fit = fit_chaos(fitted.basis_values, basis.candidate_ends, scores);
+          fitted.cv_errors.col(k) = cross_validate(fitted.basis_values, basis.candidate_ends,
+                                                   fit.candidate, scores, folds);
+        },
+        1);
+    progress.report(double(begin + count) / double(modes));
+  }
   Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(Index(basis.terms.size()), modes);
   for (Index k = 0; k < modes; ++k) {
     const ChaosFit& fit = fitted.fits[std::size_t(k)];
@@ -85,14 +93,14 @@ Eigen::MatrixXd scores_at(const FieldSurrogate& surrogate, const Eigen::MatrixXd
   return evaluate(surrogate.basis, points) * surrogate.coefficients;
 }
 
-FieldBand field_band(const FieldSurrogate& surrogate, const Eigen::MatrixXd& scores,
-                     std::span<const double> probabilities) {
+Result<FieldBand> field_band(const FieldSurrogate& surrogate, const Eigen::MatrixXd& scores,
+                             std::span<const double> probabilities, Progress& progress) {
   const Index points = surrogate.mean.size();
   FieldBand band;
   band.quantiles.assign(probabilities.size(), std::vector<double>(std::size_t(points)));
   band.standard_deviation.resize(std::size_t(points));
   const Index rows = surrogate.coefficients.rows();
-  parallel_for(points, [&](Index v) {
+  const auto find = [&](Index v) {
     const VectorX at = surrogate.modes.row(v).transpose();
     VectorX values = (scores * at).array() + surrogate.mean[v];
     for (std::size_t q = 0; q < probabilities.size(); ++q)
@@ -100,7 +108,14 @@ FieldBand field_band(const FieldSurrogate& surrogate, const Eigen::MatrixXd& sco
           sample_quantile({values.data(), std::size_t(values.size())}, probabilities[q]);
     const VectorX terms = surrogate.coefficients * at;  // The first is the constant.
     band.standard_deviation[std::size_t(v)] = rows > 1 ? terms.tail(rows - 1).norm() : 0.0;
-  });
+  };
+  constexpr Index kBatch = 16 * kParallelBlock;  // Points.
+  for (Index begin = 0; begin < points; begin += kBatch) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
+    const Index count = std::min(kBatch, points - begin);
+    parallel_for(count, [&](Index n) { find(begin + n); });
+    progress.report(double(begin + count) / double(points));
+  }
   return band;
 }
 

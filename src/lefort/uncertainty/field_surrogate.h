@@ -2,6 +2,8 @@
 /// Surrogate of a field: its modes, and a polynomial chaos of the score of each mode.
 #pragma once
 
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/uncertainty/chaos_basis.h>
 #include <lefort/uncertainty/field_modes.h>
@@ -40,11 +42,13 @@ struct FieldFitOptions {
 /// \param points   one row per sample, in the units of the inputs.
 /// \param samples  the fields; three or more.
 /// \param weights  see find_modes().
-[[nodiscard]] FittedField fit_field(const std::vector<ChaosInput>& inputs,
-                                    const Eigen::MatrixXd& points,
-                                    std::span<const std::vector<float>> samples,
-                                    std::span<const double> weights,
-                                    const FieldFitOptions& options);
+/// \returns the surrogate, or kCancelled.
+[[nodiscard]] Result<FittedField> fit_field(const std::vector<ChaosInput>& inputs,
+                                            const Eigen::MatrixXd& points,
+                                            std::span<const std::vector<float>> samples,
+                                            std::span<const double> weights,
+                                            const FieldFitOptions& options,
+                                            Progress& progress = Progress::none());
 
 /// The sum of two surrogates with the same inputs, for example of a coarse model and of its
 /// correction.
@@ -62,8 +66,11 @@ struct FieldBand {
 
 /// \param probabilities  of the quantiles, of (0, 1).
 /// \param scores         of scores_at() at points drawn from the distributions of the inputs.
-[[nodiscard]] FieldBand field_band(const FieldSurrogate& surrogate, const Eigen::MatrixXd& scores,
-                                   std::span<const double> probabilities);
+/// \returns the band, or kCancelled.
+[[nodiscard]] Result<FieldBand> field_band(const FieldSurrogate& surrogate,
+                                           const Eigen::MatrixXd& scores,
+                                           std::span<const double> probabilities,
+                                           Progress& progress = Progress::none());
 
 /// Quantile of numbers: linear between order statistics (type 7 of Hyndman and Fan).
 ///

@@ -72,7 +72,8 @@ Design make_design(std::vector<Distribution> distributions, Index count) {
 uncertainty::FittedField fit(const Design& design, const std::vector<std::vector<float>>& samples) {
   return uncertainty::fit_field(design.inputs, design.points, samples,
                                 std::vector<double>(samples.front().size(), 1.0),
-                                {.variance_fraction = 1.0 - 1e-9});
+                                {.variance_fraction = 1.0 - 1e-9})
+      .value();  // Nothing stops it.
 }
 
 uncertainty::SobolIndices indices_of(const uncertainty::FittedField& fitted) {
@@ -125,8 +126,10 @@ void check_bar_field(const Design& design, const std::vector<std::vector<float>>
   const uncertainty::FittedField fitted = fit(design, fields);
   const Eigen::MatrixXd draws =
       uncertainty::points_at(design.distributions, uncertainty::nested_latin_hypercube(2, 4000, 2));
-  const uncertainty::FieldBand band = uncertainty::field_band(
-      fitted.surrogate, uncertainty::scores_at(fitted.surrogate, draws), std::array{0.05, 0.95});
+  const uncertainty::FieldBand band =
+      uncertainty::field_band(fitted.surrogate, uncertainty::scores_at(fitted.surrogate, draws),
+                              std::array{0.05, 0.95})
+          .value();
   const double deviation_mm = design.distributions[1].standard_deviation;
   const std::size_t top = fields.front().size() - 1;  // The last node of a box.
   check_variance("displacement at the end", std::pow(band.standard_deviation[top], 2),

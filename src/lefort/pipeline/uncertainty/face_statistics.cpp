@@ -67,7 +67,8 @@ class BandMeasure {
     }
     return weighted_mean(weights_,
                          widths(uncertainty::field_band(part, uncertainty::scores_at(part, points_),
-                                                        kBandProbabilities)));
+                                                        kBandProbabilities)
+                                    .value()));  // Nothing stops it.
   }
 
  private:
@@ -190,8 +191,9 @@ void keep_what_predicts(FittedField& correction) {
 }
 
 /// Fits the correction to the differences of fine and coarse samples with the same numbers.
-void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
-                    const SolvedSamples& fine, const BandMeasure& measure, FaceStatistics& all) {
+Result<void> fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
+                            const SolvedSamples& fine, const BandMeasure& measure,
+                            FaceStatistics& all, Progress& progress) {
   std::vector<std::vector<float>> differences, rough;
   std::vector<Index> rows;
   for (std::size_t k = 0; k < fine.numbers.size(); ++k) {
@@ -204,16 +206,20 @@ void fit_correction(const UncertainCase& face, const SolvedSamples& coarse,
     rows.push_back(fine.numbers[k]);
   }
   constexpr std::size_t kFewest = 3;
-  if (differences.size() < kFewest) return;
+  if (differences.size() < kFewest) return {};
   Eigen::MatrixXd points(Index(rows.size()), face.points().cols());
   for (std::size_t k = 0; k < rows.size(); ++k) points.row(Index(k)) = face.points().row(rows[k]);
   // Few samples: linear, and only what they show. Inputs in levels are at their middle in all.
-  all.correction = uncertainty::fit_field(
-      chaos_inputs(face.inputs().inputs), points, differences, face.skin().area_mm2,
-      {.variance_fraction = 0.99, .basis = {.max_degree = 1}, .folds = Index(rows.size())});
+  LEFORT_TRY(
+      all.correction,
+      uncertainty::fit_field(
+          chaos_inputs(face.inputs().inputs), points, differences, face.skin().area_mm2,
+          {.variance_fraction = 0.99, .basis = {.max_degree = 1}, .folds = Index(rows.size())},
+          progress));
   keep_what_predicts(*all.correction);
   all.total = uncertainty::add(all.coarse.surrogate, all.correction->surrogate);
   all.correction_results = describe_correction(all, measure, differences, rough);
+  return {};
 }
 
 Result<std::vector<ConvergenceRow>> find_convergence(const UncertainCase& face,
@@ -231,12 +237,13 @@ Result<std::vector<ConvergenceRow>> find_convergence(const UncertainCase& face,
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "stopped");
     Eigen::MatrixXd points(n, face.points().cols());
     for (Index i = 0; i < n; ++i) points.row(i) = face.points().row(rows[std::size_t(i)]);
-    const FittedField fit =
-        n == Index(rows.size())
-            ? all.coarse
-            : uncertainty::fit_field(chaos_inputs(face.inputs().inputs), points,
-                                     std::span(samples).first(std::size_t(n)), face.skin().area_mm2,
-                                     fit_options(std::size_t(n)));
+    FittedField fit = all.coarse;
+    if (n < Index(rows.size())) {
+      LEFORT_TRY(
+          fit, uncertainty::fit_field(chaos_inputs(face.inputs().inputs), points,
+                                      std::span(samples).first(std::size_t(n)),
+                                      face.skin().area_mm2, fit_options(std::size_t(n)), progress));
+    }
     FieldSurrogate total =
         all.correction ? uncertainty::add(fit.surrogate, all.correction->surrogate) : fit.surrogate;
     ConvergenceRow row{.samples = n, .band_mm = measure(total)};
@@ -304,17 +311,19 @@ Result<FaceStatistics> face_statistics(const UncertainCase& face, std::vector<Sk
   Eigen::MatrixXd points(Index(rows.size()), face.points().cols());
   for (std::size_t k = 0; k < rows.size(); ++k) points.row(Index(k)) = face.points().row(rows[k]);
   const std::vector<UncertainInput>& inputs = face.inputs().inputs;
-  all.coarse = uncertainty::fit_field(chaos_inputs(inputs), points, samples, face.skin().area_mm2,
-                                      fit_options(samples.size()));
+  LEFORT_TRY(all.coarse,
+             uncertainty::fit_field(chaos_inputs(inputs), points, samples, face.skin().area_mm2,
+                                    fit_options(samples.size()), progress));
   all.total = all.coarse.surrogate;
   const BandMeasure measure(all.regions.front().weights,
                             draw_points(inputs, 1000, seed ^ kDrawSeed));
-  fit_correction(face, coarse, fine, measure, all);
+  LEFORT_TRY_VOID(fit_correction(face, coarse, fine, measure, all, progress));
   progress.begin_stage("quantiles of the surrogate");
-  all.band = uncertainty::field_band(
-      all.total,
-      uncertainty::scores_at(all.total, draw_points(inputs, kSurrogateDraws, seed ^ kDrawSeed)),
-      kBandProbabilities);
+  LEFORT_TRY(all.band, uncertainty::field_band(
+                           all.total,
+                           uncertainty::scores_at(
+                               all.total, draw_points(inputs, kSurrogateDraws, seed ^ kDrawSeed)),
+                           kBandProbabilities, progress));
   all.band_mm = weighted_mean(all.regions.front().weights, widths(all.band));
   progress.begin_stage("bootstrap of the surrogate");
   LEFORT_TRY(const uncertainty::SurrogateReplicates replicates,

@@ -290,7 +290,7 @@ function samplesSection(found: Uncertainty): Html {
       ${row('Without result', String(samples.failed))}
       ${row(`Fine samples, ${fixed(size.fine, 1)} mm`, samples.fine > 0 ? String(samples.fine) : 'none')}
       ${row('Correction of the mean band width', correction ? mm(correction.mean_band_change_mm, 2) : 'none')}
-      ${path ? row(`Whole path, ${path.samples} samples: difference`, mm(path.mean_difference_mm, 3)) : nothing}
+      ${path ? row(`Whole path, ${path.samples} samples: max difference`, mm(path.max_difference_mm, 2)) : nothing}
     </dl>`,
     convergencePlot(found.convergence, found.interval_level),
     failures.length > 0
