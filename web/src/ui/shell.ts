@@ -239,7 +239,11 @@ function covers(app: App, s: State): Html {
         </div>`;
   if (s.step === 'compare' && s.compareView === 'band')
     return stageOf(s, 'uncertainty').etag === null
-      ? html`<div class="cover">${empty('No band yet', 'It is computed in the panel on the right.')}</div>`
+      ? html`<div class="cover">
+          ${stageOf(s, 'uncertainty').state === 'running'
+            ? empty('Computing the band …', 'Each sample is a prediction on a coarse mesh.')
+            : empty('No band yet', 'Compute it in the panel on the right.')}
+        </div>`
       : nothing;
   if (s.step === 'compare' && stageOf(s, 'prediction').state === 'missing')
     return html`<div class="cover">
