@@ -83,10 +83,10 @@ TEST(ServerContract, EverySchemaHasAFixture) {
   std::set<std::string> shown;
   for (const fs::path& file : fixtures("valid")) shown.insert(schema_of(file));
   // Parts of others, which their fixtures show.
-  for (const char* part : {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points",
-                           "Pose", "TemplateKind", "PredictionStep", "FileName", "NewtonIterate",
-                           "ValuesName", "DifferenceStatistics", "MovementDifference", "Interval",
-                           "Distribution", "SobolIndex", "FailedSamples"})
+  for (const char* part :
+       {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points", "Pose", "TemplateKind",
+        "PredictionStep", "FileName", "NewtonIterate", "ValuesName", "DifferenceStatistics",
+        "MovementDifference", "Interval", "Distribution", "SobolIndex", "FailedSamples"})
     shown.insert(part);
   for (const auto& [name, schema] : contract()["components"]["schemas"].items())
     EXPECT_TRUE(shown.contains(name)) << name;
