@@ -285,11 +285,11 @@ function samplesSection(found: Uncertainty): Html {
       <dd>${value}</dd>`;
   return section(
     'Samples and convergence',
-    html`<dl data-id="band-samples">
+    html`<dl class="figures" data-id="band-samples">
       ${row(`Samples, elements of ${fixed(size.coarse, 1)} mm`, String(samples.count))}
       ${row('Without result', String(samples.failed))}
       ${row(`Fine samples, ${fixed(size.fine, 1)} mm`, samples.fine > 0 ? String(samples.fine) : 'none')}
-      ${row('Correction of the mean band width', correction ? mm(correction.mean_band_change_mm, 2) : 'none')}
+      ${row('Correction of the mean width', correction ? mm(correction.mean_band_change_mm, 2) : 'none')}
       ${path ? row(`Whole path, ${path.samples} samples: max difference`, mm(path.max_difference_mm, 2)) : nothing}
     </dl>`,
     convergencePlot(found.convergence, found.interval_level),
