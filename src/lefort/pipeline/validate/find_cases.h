@@ -33,7 +33,7 @@ struct CohortCase {
   [[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> inputs() const;
 };
 
-/// Files that the plan of a case names and that exist, sorted by the plan's names. A plan that is not
+/// Files that the plan of a case names and that exist, in the order of the plan. A plan that is not
 /// valid names none.
 [[nodiscard]] std::vector<std::filesystem::path> files_of_plan(const CohortCase& one);
 
