@@ -35,7 +35,7 @@ Result<FaceAt> FaceObjective::solve(const VectorX& x, const predict::FaceState& 
   face.target_objective = objective_mm2(face.observations);
   face.objective = face.target_objective;
   for (const OverlapRow& row : problem_.clearance.rows(X_LB, {}))
-    face.objective += 0.5 * kOverlapWeight * row.excess_mm * row.excess_mm;
+    face.objective += 0.5 * overlap_weight_ * row.excess_mm * row.excess_mm;
   face.objective += 0.5 * problem_.regularization * (x - problem_.variables.start()).squaredNorm();
   return face;
 }
@@ -78,8 +78,8 @@ Result<QuadraticModel> FaceObjective::linearize() {
   }
   target_hessian_ = model.hessian;
   for (const OverlapRow& overlap : problem_.clearance.rows(problem_.variables.poses(x), rates)) {
-    model.gradient += kOverlapWeight * overlap.excess_mm * overlap.derivative;
-    model.hessian += kOverlapWeight * overlap.derivative * overlap.derivative.transpose();
+    model.gradient += overlap_weight_ * overlap.excess_mm * overlap.derivative;
+    model.hessian += overlap_weight_ * overlap.derivative * overlap.derivative.transpose();
   }
   model.gradient += problem_.regularization * (x - problem_.variables.start());
   model.hessian.diagonal().array() += problem_.regularization;

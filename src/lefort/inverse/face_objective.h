@@ -37,7 +37,7 @@ struct MotionProblem {
   double regularization = 0.0;  ///< w_r >= 0 [mm^2 per mm^2 or deg^2].
 };
 
-/// c, the weight of a vertex in the overlap penalty: dominates any target.
+/// First c, the weight of a vertex in the overlap penalty [mm^2 per mm^2].
 inline constexpr double kOverlapWeight = 1.0;
 
 /// A face that the live model has found.
@@ -64,6 +64,9 @@ class FaceObjective final : public LeastSquaresFunction {
     correction_mm_ = std::move(correction_mm);
   }
   [[nodiscard]] const std::vector<Vec3>& correction_mm() const { return correction_mm_; }
+
+  /// \param weight  c, > 0.
+  void set_overlap_weight(double weight) { overlap_weight_ = weight; }
 
   [[nodiscard]] Result<double> evaluate(const VectorX& x) override;
   void accept() override;
@@ -95,6 +98,7 @@ class FaceObjective final : public LeastSquaresFunction {
   predict::FaceState start_;
   Progress& progress_;
   std::vector<Vec3> correction_mm_;
+  double overlap_weight_ = kOverlapWeight;
   std::optional<FaceAt> present_, trial_;
   Eigen::MatrixXd target_hessian_, target_gradients_;
 };

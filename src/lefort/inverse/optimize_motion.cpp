@@ -9,6 +9,11 @@
 namespace lefort::inverse {
 namespace {
 
+/// The overlap penalty grows by this factor until the minimum is within the limit, this many times
+/// (quadratic penalty method, \cite nocedal2006, section 17.1).
+constexpr double kPenaltyGrowth = 10.0;
+constexpr int kPenalties = 5;
+
 /// The steps of bisection towards a point without too much overlap.
 constexpr int kBisections = 12;
 
@@ -51,7 +56,8 @@ class Search {
   Progress& progress_;
   FaceObjective objective_;
   std::optional<FaceObjective> fine_objective_;
-  VectorX anchor_;  ///< A point without too much overlap.
+  double overlap_weight_ = kOverlapWeight;  ///< Of the coarse model; never becomes smaller.
+  VectorX anchor_;                          ///< A point without too much overlap.
   MotionResult result_;
 };
 
@@ -98,12 +104,22 @@ Result<void> Search::check_gradient(const VectorX& start) {
 Result<LeastSquaresResult> Search::minimize(const VectorX& from) {
   const MotionVariables& variables = problem_.variables;
   result_.starts.push_back(result_.history.size());
-  LEFORT_TRY(LeastSquaresResult found,
-             minimize_least_squares(objective_, from, variables.lower(), variables.upper(),
-                                    options_.coarse, progress_));
-  result_.history.insert(result_.history.end(), found.history.begin(), found.history.end());
-  note(fmt::format("coarse model: objective {:.4g} mm^2 after {} trial points", found.objective,
-                   found.history.size()));
+  const auto minimize_from = [&](const VectorX& x) -> Result<LeastSquaresResult> {
+    LEFORT_TRY(LeastSquaresResult found,
+               minimize_least_squares(objective_, x, variables.lower(), variables.upper(),
+                                      options_.coarse, progress_));
+    result_.history.insert(result_.history.end(), found.history.begin(), found.history.end());
+    note(fmt::format("coarse model: objective {:.4g} mm^2 after {} trial points", found.objective,
+                     found.history.size()));
+    return found;
+  };
+  LEFORT_TRY(LeastSquaresResult found, minimize_from(from));
+  for (int n = 0; n < kPenalties && !is_feasible(found.x); ++n) {
+    overlap_weight_ *= kPenaltyGrowth;
+    objective_.set_overlap_weight(overlap_weight_);
+    LEFORT_TRY(found, minimize_from(found.x));
+  }
+  if (is_feasible(found.x)) anchor_ = found.x;
   return found;
 }
 
