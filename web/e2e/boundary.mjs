@@ -1,16 +1,15 @@
 // Tests of the painted boundary and of tissue layers in a browser, on a synthetic head.
 // node e2e/boundary.mjs [--only WORDS]; LEFORT names the program.
-import { mkdirSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
+import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { isDeepStrictEqual } from 'node:util';
+import { accessible } from './accessible.mjs';
 import { check, runTests, test } from './harness.mjs';
 import { drawn, id, idle, look, saved, settled, step, type } from './planner.mjs';
 import { endSmallCase, PLAN, planned, withPage } from './small_case.mjs';
 
 const args = process.argv.slice(2);
 const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const output = new URL('output/', import.meta.url).pathname;
 mkdirSync(output, { recursive: true });
 
@@ -39,17 +38,6 @@ const areaIs = (page, set, mm2) =>
     ([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06,
     [`${id('painted-areas')} [data-set="${set}"]`, mm2],
   );
-
-async function accessible(page, where) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() =>
-    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
-  );
-  check(
-    `${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
-    violations.length === 0,
-  );
-}
 
 /** How many pixels of the view have a hue that bone and segment do not have: of `with segment`, or of `bonded`. */
 async function pixelsOf(page, label) {

@@ -1,14 +1,13 @@
 // Tests of results in a browser, on a synthetic head that is solved in seconds: iterations, contact on the bone,
 // the face after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
+import { accessible } from './accessible.mjs';
 import { check, runTests, test } from './harness.mjs';
 import { handleWhere, idle, id, look, saved, settled, step } from './planner.mjs';
 import { endSmallCase, PLAN, planned, predicted, smallHead, withPage } from './small_case.mjs';
 
 const args = process.argv.slice(2);
 const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const output = new URL('output/', import.meta.url).pathname;
 mkdirSync(output, { recursive: true });
 
@@ -19,17 +18,6 @@ async function chooseFile(page, button, name, buffer) {
 }
 
 const rows = (page, name) => page.locator(`${id(name)} tbody tr`).allInnerTexts();
-
-const isAccessible = async (page, where) => {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() =>
-    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
-  );
-  check(
-    `${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
-    violations.length === 0,
-  );
-};
 
 test('every iteration of a solve is plotted', () =>
   withPage(planned, async (page, { ask }) => {
@@ -112,7 +100,7 @@ test('comparison with a face after surgery; an unreadable file is reported', () 
         `the baseline is zero, and the prediction has an error: ${whole}`,
         Number(whole[2]) > 0.5 && whole[3] === '0.0' && whole[4] === '0.0',
       );
-      await isAccessible(page, 'the dark comparison');
+      await accessible(page, 'the dark comparison');
     },
     { scheme: 'dark' },
   ));
@@ -124,7 +112,7 @@ test('the band by uncertain inputs: computed, shown, and marked with another pla
       await step(page, 'compare');
       await page.getByRole('button', { name: 'Uncertainty', exact: true }).click();
       await page.getByText('No band yet').first().waitFor();
-      await isAccessible(page, 'the page without a band');
+      await accessible(page, 'the page without a band');
       await page.fill(id('band-count'), '40');
       await page.press(id('band-count'), 'Enter');
       await page.click(id('compute-band'));
@@ -153,7 +141,7 @@ test('the band by uncertain inputs: computed, shown, and marked with another pla
         `what the band covers is said: ${scope}`,
         scope.includes('named inputs only') && scope.includes('not for clinical use'),
       );
-      await isAccessible(page, 'the band');
+      await accessible(page, 'the band');
       await page.screenshot({ path: `${output}/band.png` });
       for (const part of ['sobol', 'band-samples', 'compute-band']) {
         await page.locator(id(part)).evaluate((element) => element.scrollIntoView({ block: 'center' }));

@@ -1,6 +1,7 @@
 // From the scan to the plan.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { accessible } from './accessible.mjs';
 import { check, test } from './harness.mjs';
 import {
   click3d,
@@ -17,7 +18,7 @@ import {
   step,
   type,
 } from './planner.mjs';
-import { accessible, measured, output, picture, withShared } from './shared_case.mjs';
+import { measured, output, picture, withShared } from './shared_case.mjs';
 
 test('an empty case: the first view', () =>
   withShared(async (page) => {

@@ -1,6 +1,5 @@
 // The case that the tests of the planner share, and what they check on each page.
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
+import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { check, freshFolder, openPage, root, serve } from './harness.mjs';
 import { shrinkPng } from './shrink_png.mjs';
@@ -10,7 +9,6 @@ const args = process.argv.slice(2);
 export const all = args.includes('--all');
 export const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
 
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 export const output = new URL('output/', import.meta.url).pathname;
 mkdirSync(output, { recursive: true });
 
@@ -36,22 +34,6 @@ export async function withShared(run, size) {
   } finally {
     await page.context().close();
   }
-}
-
-/** Checks accessibility with axe-core. */
-export async function accessible(page, where) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() =>
-    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
-  );
-  const said = violations.map(
-    (v) =>
-      `${v.id}: ${v.nodes
-        .slice(0, 3)
-        .map((n) => n.html.slice(0, 120))
-        .join(' | ')}`,
-  );
-  check(`${where} is accessible: ${said.join('; ')}`, violations.length === 0);
 }
 
 /** Prints a time or a rate and its target. It does not fail the test, because it depends on the load of the machine. */

@@ -2,9 +2,10 @@
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { accessible } from './accessible.mjs';
 import { check, freshFolder, lefort, openPage, serve, test } from './harness.mjs';
 import { dot, id, idle, saved, settled, step, type } from './planner.mjs';
-import { accessible, output, picture, withShared } from './shared_case.mjs';
+import { output, picture, withShared } from './shared_case.mjs';
 
 test('keyboard and colors', () =>
   withShared(

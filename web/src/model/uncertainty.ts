@@ -1,18 +1,8 @@
+import type { Schemas } from '../api';
 import type { Vec3 } from './frames';
 import { toDrawing, type ProfileFrame } from './profile';
 import { sectionsOf, type Surface } from './section';
 import { fixed } from './units';
-
-/** Distribution of an uncertain input; the kind decides which numbers it has. */
-export interface InputDistribution {
-  kind: string;
-  mean?: number;
-  standard_deviation?: number;
-  low?: number;
-  high?: number;
-  mode?: number;
-  values?: number[];
-}
 
 /** A number with at most four digits and no trailing zeros. */
 const short = (value: number | undefined): string =>
@@ -30,7 +20,7 @@ export function distributionText({
   high,
   mode,
   values,
-}: InputDistribution): string {
+}: Schemas['Distribution']): string {
   switch (kind) {
     case 'uniform':
       return `uniform, ${short(low)} to ${short(high)}`;
