@@ -65,8 +65,8 @@ class FaceObjective final : public LeastSquaresFunction {
   }
   [[nodiscard]] const std::vector<Vec3>& correction_mm() const { return correction_mm_; }
 
-  /// \param weight  c, > 0.
-  void set_overlap_weight(double weight) { overlap_weight_ = weight; }
+  /// Multiplies c. \param factor  > 0.
+  void scale_overlap_weight(double factor) { overlap_weight_ *= factor; }
 
   [[nodiscard]] Result<double> evaluate(const VectorX& x) override;
   void accept() override;

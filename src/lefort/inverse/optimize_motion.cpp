@@ -56,8 +56,7 @@ class Search {
   Progress& progress_;
   FaceObjective objective_;
   std::optional<FaceObjective> fine_objective_;
-  double overlap_weight_ = kOverlapWeight;  ///< Of the coarse model; never becomes smaller.
-  VectorX anchor_;                          ///< A point without too much overlap.
+  VectorX anchor_;  ///< A point without too much overlap.
   MotionResult result_;
 };
 
@@ -115,8 +114,7 @@ Result<LeastSquaresResult> Search::minimize(const VectorX& from) {
   };
   LEFORT_TRY(LeastSquaresResult found, minimize_from(from));
   for (int n = 0; n < kPenalties && !is_feasible(found.x); ++n) {
-    overlap_weight_ *= kPenaltyGrowth;
-    objective_.set_overlap_weight(overlap_weight_);
+    objective_.scale_overlap_weight(kPenaltyGrowth);
     LEFORT_TRY(found, minimize_from(found.x));
   }
   if (is_feasible(found.x)) anchor_ = found.x;
@@ -201,7 +199,7 @@ Result<MotionResult> Search::run(const VectorX& start) {
   result_.overlap = problem_.clearance.deepest(X_LB);
   result_.is_limited_by_overlap =
       result_.is_limited_by_overlap || !problem_.clearance.rows(X_LB, {}).empty();
-  LEFORT_CHECK(result_.overlap.depth_mm <= problem_.clearance.allowed_mm());
+  LEFORT_CHECK(problem_.clearance.is_within(result_.overlap));
   return std::move(result_);
 }
 

@@ -47,7 +47,7 @@ bool is_uid(std::string_view text) {
 tl::unexpected<Error> bad_address(std::string_view why) {
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("the address {}, expected "
-                          "dicomweb://[user:password@]host[:port]/root/studies/UID[/series/UID]",
+                          "dicomweb://[user:password@]host[:port]/service/studies/UID[/series/UID]",
                           why));
 }
 
