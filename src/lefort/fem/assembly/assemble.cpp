@@ -123,7 +123,7 @@ struct Assembler::Plan {
 
   /// \returns the sum over all items of their stiffness at x_L times `vector`, or the same with the
   ///   absolute values of both.
-  [[nodiscard]] VectorX stiffness_times(const VectorX& x_L, const VectorX& vector,
+  [[nodiscard]] VectorX stiffness_times(const VectorX& x_L, const VectorX& vector, Tangent kind,
                                         Magnitudes magnitudes) const;
 
   /// Adds the forces of the chunk's items whose terms are not conservative.
@@ -266,7 +266,7 @@ linear::SparseMatrix Assembler::antisymmetric_tangent(const VectorX& u) const {
   return lower;
 }
 
-VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vector,
+VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vector, Tangent kind,
                                          Magnitudes magnitudes) const {
   VectorX product = VectorX::Zero(vector.size());
   std::vector<double> buffer(std::size_t(layout.force_buffer_size));
@@ -287,7 +287,8 @@ VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vect
           }
           std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
           const double energy =
-              evaluate_item(term(item), item.item, x_L, force.data(), stiffness.data()).energy_mj;
+              evaluate_item(term(item), item.item, x_L, force.data(), stiffness.data(), kind)
+                  .energy_mj;
           LEFORT_CHECK(!std::isnan(energy));
           const Eigen::Map<const Eigen::MatrixXd> K(stiffness.data(), size, size);
           if (magnitudes == Magnitudes::kYes)
@@ -301,15 +302,15 @@ VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vect
   return product;
 }
 
-VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
+VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du, Tangent kind) const {
   LEFORT_CHECK(du.size() == u.size());
-  return plan_->stiffness_times(plan_->positions_L(u), du, Magnitudes::kNo);
+  return plan_->stiffness_times(plan_->positions_L(u), du, kind, Magnitudes::kNo);
 }
 
 VectorX Assembler::force_round_off_n(const VectorX& u) const {
   const VectorX x_L = plan_->positions_L(u);
   return std::numeric_limits<double>::epsilon() *
-         plan_->stiffness_times(x_L, x_L, Magnitudes::kYes);
+         plan_->stiffness_times(x_L, x_L, Tangent::kExact, Magnitudes::kYes);
 }
 
 }  // namespace lefort::fem

@@ -85,10 +85,12 @@ class Assembler {
   ///   conservative.
   [[nodiscard]] linear::SparseMatrix antisymmetric_tangent(const VectorX& u) const;
 
-  /// \param u   displacements of all components [mm]; \pre admissible.
-  /// \param du  displacement increments of all components [mm].
+  /// \param u     displacements of all components [mm]; \pre admissible.
+  /// \param du    displacement increments of all components [mm].
+  /// \param kind  kExact or kStabilized.
   /// \returns (tangent of all components) * du [N], computed item by item.
-  [[nodiscard]] VectorX tangent_times(const VectorX& u, const VectorX& du) const;
+  [[nodiscard]] VectorX tangent_times(const VectorX& u, const VectorX& du,
+                                      Tangent kind = Tangent::kExact) const;
 
   /// \param u  displacements of all components [mm]; \pre admissible.
   /// \returns an estimate of the round-off of each component of the residual from the rounding of

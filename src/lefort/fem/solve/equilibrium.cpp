@@ -65,8 +65,10 @@ VectorX with_linear_response(const Assembler& assembler, const VectorX& start, c
   enter(SolvePhase::kAssembly, options);
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
-  const VectorX residual_n = forces->residual_n + assembler.tangent_times(start, moved - start);
-  const linear::SparseMatrix K = assembler.tangent(start);
+  // Stabilized: an obstacle that has moved into the body can make the exact tangent indefinite.
+  const VectorX residual_n =
+      forces->residual_n + assembler.tangent_times(start, moved - start, Tangent::kStabilized);
+  const linear::SparseMatrix K = assembler.tangent(start, Tangent::kStabilized);
   enter(SolvePhase::kFactorization, options);
   const auto du = linear_solver.solve(K, -dofs.free_part(residual_n), kResponseTolerance,
                                       [&] { enter(SolvePhase::kSolve, options); });
