@@ -31,6 +31,7 @@ namespace lefort::test {
 [[nodiscard]] inline predict::PredictionOptions paper_options() {
   predict::PredictionOptions options;
   options.boundary = paper_boundary();
+  options.contact.obstacle = predict::Obstacle::kBone;
   return options;
 }
 

@@ -47,6 +47,10 @@ ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b
               mean(a.mean_penetration_increase_mm, b.mean_penetration_increase_mm),
           .p99_penetration_increase_mm =
               std::max(a.p99_penetration_increase_mm, b.p99_penetration_increase_mm),
+          .max_bone_penetration_increase_mm =
+              std::max(a.max_bone_penetration_increase_mm, b.max_bone_penetration_increase_mm),
+          .p99_bone_penetration_increase_mm =
+              std::max(a.p99_bone_penetration_increase_mm, b.p99_bone_penetration_increase_mm),
           .force_L_n = a.force_L_n + b.force_L_n,
           .normal_force_n = a.normal_force_n + b.normal_force_n,
           .tunneled_area_mm2 = a.tunneled_area_mm2 + b.tunneled_area_mm2};
@@ -64,6 +68,9 @@ void ContactStatisticsSum::add(const PointContact& point, std::span<const std::i
   sum_.max_penetration_increase_mm = std::max(sum_.max_penetration_increase_mm, point.depth_mm);
   sum_.mean_penetration_increase_mm += point.area_mm2 * point.depth_mm;
   depth_and_area_.emplace_back(point.depth_mm, point.area_mm2);
+  sum_.max_bone_penetration_increase_mm =
+      std::max(sum_.max_bone_penetration_increase_mm, point.bone_depth_mm);
+  bone_depth_and_area_.emplace_back(point.bone_depth_mm, point.area_mm2);
   sum_.force_L_n += force_n;
   sum_.normal_force_n += force_n.norm();
 }
@@ -71,6 +78,8 @@ void ContactStatisticsSum::add(const PointContact& point, std::span<const std::i
 ContactStatistics ContactStatisticsSum::finish(double tunneled_area_mm2) && {
   sum_.p99_penetration_increase_mm =
       std::max(depth_at_fraction(std::move(depth_and_area_), kBeyondP99), 0.0);
+  sum_.p99_bone_penetration_increase_mm =
+      std::max(depth_at_fraction(std::move(bone_depth_and_area_), kBeyondP99), 0.0);
   sum_.nodes = count_distinct(std::move(nodes_));
   sum_.tunneled_area_mm2 = tunneled_area_mm2;
   if (sum_.area_mm2 > 0.0) {

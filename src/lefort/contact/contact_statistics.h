@@ -28,6 +28,9 @@ struct ContactStatistics {
   double mean_penetration_increase_mm = 0.0;  ///< Over that area.
   /// Penetration increase that 99 % of that area does not exceed; >= 0.
   double p99_penetration_increase_mm = 0.0;
+  /// The same with the gap to the bone itself, where the obstacle replaces it (rest_gap.h).
+  double max_bone_penetration_increase_mm = 0.0;
+  double p99_bone_penetration_increase_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
   /// Cumulative reference area of points that tunneled through thin bone without a tangent plane
@@ -62,6 +65,7 @@ struct PointContact {
   Vec3 gradient_L = Vec3::Zero();  ///< Of the gap that the force acts on.
   double gap_mm = 0.0;             ///< g.
   double depth_mm = 0.0;           ///< d.
+  double bone_depth_mm = 0.0;      ///< The same to the bone itself.
 };
 
 /// Adds up ContactStatistics point by point.
@@ -77,7 +81,7 @@ class ContactStatisticsSum {
  private:
   ContactStatistics sum_;
   std::vector<std::int32_t> nodes_;
-  std::vector<std::pair<double, double>> depth_and_area_;
+  std::vector<std::pair<double, double>> depth_and_area_, bone_depth_and_area_;
 };
 
 /// Averages NodalContact point by point. The pressure is not evaluated at the node itself: the flat

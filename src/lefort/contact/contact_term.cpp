@@ -1,4 +1,5 @@
 #include <lefort/contact/contact_term.h>
+#include <lefort/contact/rest_gap.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 
@@ -30,16 +31,11 @@ struct RuleGaps {
   }
 };
 
-/// \returns g_0 of a point.
-double rest_gap_mm(const Gap& at_rest, double contact_snap_mm) {
-  const bool touches =
-      at_rest.zone == field::Zone::kBand && std::abs(at_rest.gap_mm) <= contact_snap_mm;
-  return touches ? at_rest.gap_mm : std::min(at_rest.gap_mm, 0.0);
-}
-
+/// \param gap_mm  to a bone; whether another bone is closer.
 bool is_closer_to_any(std::span<const RigidObstacle> obstacles, const Vec3& p_L, double gap_mm) {
   return std::any_of(obstacles.begin(), obstacles.end(), [&](const RigidObstacle& other) {
-    return measure_gap(other, p_L, Derivatives::kFirst).gap_mm < gap_mm;
+    const auto& query_B = other.bone_B ? other.bone_B : other.distance_query_B;
+    return measure_gap({query_B, other.X_LB, nullptr}, p_L, Derivatives::kFirst).gap_mm < gap_mm;
   });
 }
 
@@ -67,6 +63,7 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
       penetration_tolerance_mm_(options.penetration_tolerance_mm),
       surface_(nodes_L, faces, options.integration),
       rest_gaps_mm_(surface_.point_count(), 0.0),
+      bone_rest_gaps_mm_(surface_.point_count(), 0.0),
       history_(surface_.point_count(), options.penetration_tolerance_mm.has_value()),
       clearance_(surface_.patches().size()) {
   LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
@@ -75,9 +72,12 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
   LEFORT_CHECK(options.contact_snap_mm < obstacle_.distance_query_B->max_distance_mm());
   for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
     for_each_point(patch, nodes_L, [&](const PointGap& at) {
-      const bool is_on_other = is_closer_to_any(other_obstacles, at.p_L, at.measured.gap_mm);
-      rest_gaps_mm_[at.number] =
-          rest_gap_mm(at.measured, is_on_other ? 0.0 : options.contact_snap_mm);
+      const Gap to_bone = gap_to_bone(obstacle_, at.p_L, at.measured);
+      const bool is_on_other = is_closer_to_any(other_obstacles, at.p_L, to_bone.gap_mm);
+      const double snap_mm = is_on_other ? 0.0 : options.contact_snap_mm;
+      rest_gaps_mm_[at.number] = rest_gap_mm(at.measured, to_bone, snap_mm);
+      bone_rest_gaps_mm_[at.number] = bone_rest_gap_mm(to_bone, snap_mm);
+      rest_penetration_mm_ = std::max(rest_penetration_mm_, -to_bone.gap_mm);
       history_.set_reference(at.number, contact_reference(obstacle_, at.p_L, at.measured));
     });
   note_clearances(nodes_L);
@@ -112,7 +112,9 @@ PointContact ContactTerm::contact_at(const PointGap& at) const {
           .pressure_mpa = pressure_at(at),
           .gradient_L = at.acting.gradient_L,
           .gap_mm = gap_mm,
-          .depth_mm = rest_gaps_mm_[at.number] - gap_mm};
+          .depth_mm = rest_gaps_mm_[at.number] - gap_mm,
+          .bone_depth_mm =
+              bone_depth_mm(obstacle_, at.p_L, at.measured, bone_rest_gaps_mm_[at.number])};
 }
 
 void ContactTerm::commit(std::span<const Vec3> x_L) {
@@ -189,12 +191,6 @@ std::optional<std::string> ContactTerm::rejection_reason(std::span<const Vec3> x
   return fmt::format(
       "{:.1f} of {:.1f} mm^2 of tissue in contact have tunneled through {} in one increment",
       tunneled_mm2, touching_mm2, name_);
-}
-
-double ContactTerm::rest_penetration_mm() const {
-  double max_mm = 0.0;
-  for (const double gap_mm : rest_gaps_mm_) max_mm = std::max(max_mm, -gap_mm);
-  return max_mm;
 }
 
 double ContactTerm::newly_tunneled_area_mm2(std::span<const Vec3> x_L) const {

@@ -39,10 +39,7 @@ namespace lefort::contact {
 
 /// Faces of the inner surface of the tissue, of any shape, in contact with one bone.
 ///
-/// **Rest gap.** A patient at rest is in equilibrium, but the faces of the mesh differ from the
-/// surface of the bone by their chord height. Contact therefore depends on the change from a rest
-/// gap. g_0n is the gap of the point in the reference configuration if that is at most
-/// `contact_snap_mm` in magnitude, or is negative; else it is zero.
+/// **Rest gap.** Contact depends on the change from a rest gap (rest_gap.h).
 ///
 /// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
 /// If a penetration tolerance is set, a point that has crossed the medial surface is constrained by
@@ -155,8 +152,9 @@ class ContactTerm final : public fem::ForceTerm {
   /// \returns why a converged state is rejected; nothing if it is accepted.
   [[nodiscard]] std::optional<std::string> rejection_reason(std::span<const Vec3> x_L) const;
 
-  /// \returns the max penetration of the points in the reference configuration [mm]; 0 if none.
-  [[nodiscard]] double rest_penetration_mm() const;
+  /// \returns the max penetration of the points into the bone in the reference configuration [mm];
+  ///   0 if none.
+  [[nodiscard]] double rest_penetration_mm() const { return rest_penetration_mm_; }
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactStatistics summarize(std::span<const Vec3> x_L) const;
@@ -193,7 +191,9 @@ class ContactTerm final : public fem::ForceTerm {
   double stiffness_mpa_per_mm_;
   std::optional<double> penetration_tolerance_mm_;
   ContactSurface surface_;
-  std::vector<double> rest_gaps_mm_;  ///< g_0 of each point.
+  std::vector<double> rest_gaps_mm_;       ///< g_0 of each point.
+  std::vector<double> bone_rest_gaps_mm_;  ///< The same to the bone itself.
+  double rest_penetration_mm_ = 0.0;
   ContactHistory history_;
   ContactClearance clearance_;
 };

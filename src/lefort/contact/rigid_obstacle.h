@@ -10,10 +10,12 @@
 
 namespace lefort::contact {
 
-/// A distance query with a pose.
+/// A distance query with a pose. It may replace a bone by a body at the resolution of the mesh.
 struct RigidObstacle {
   std::shared_ptr<const DistanceQuery> distance_query_B;
   RigidTransform X_LB = RigidTransform::Identity();  ///< From the bone in the scan to the patient.
+  /// Of the bone that the obstacle replaces (rest_gap.h); null: the obstacle is the bone.
+  std::shared_ptr<const DistanceQuery> bone_B = nullptr;
 };
 
 }  // namespace lefort::contact

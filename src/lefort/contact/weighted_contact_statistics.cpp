@@ -1,4 +1,5 @@
 #include <lefort/contact/dense_faces.h>
+#include <lefort/contact/rest_gap.h>
 #include <lefort/contact/weighted_contact_points.h>
 #include <lefort/contact/weighted_contact_term.h>
 
@@ -22,7 +23,9 @@ void WeightedContactTerm::add_faces(std::span<const Vec3> x_L,
     const auto nodes = mesh::nodes_of(*face.face);
     const double area_mm2 = face_areas_mm2_[number++] / double(face.points.size());
     for (const DensePoint& point : face.points) {
-      const double rest_gap_mm = dense_rest_gaps_mm_[sample++];
+      const double rest_gap_mm = dense_rest_gaps_mm_[sample],
+                   bone_rest_gap_mm = dense_bone_rest_gaps_mm_[sample];
+      ++sample;
       double fraction = 0.0, p_mpa = 0.0;
       for (std::size_t a = 0; a < nodes.size(); ++a) {
         const double p_a_mpa = pressures_mpa[std::size_t(nodes[a])];
@@ -32,12 +35,14 @@ void WeightedContactTerm::add_faces(std::span<const Vec3> x_L,
       }
       if (!(p_mpa > 0.0)) continue;
       const auto [gap, bone] = closest_gap(obstacles_, point.x_L);
-      sums[bone].add({.area_mm2 = fraction * area_mm2,
-                      .pressure_mpa = p_mpa,
-                      .gradient_L = gap.gradient_L,
-                      .gap_mm = gap.gap_mm,
-                      .depth_mm = std::max(rest_gap_mm - gap.gap_mm, 0.0)},
-                     nodes);
+      sums[bone].add(
+          {.area_mm2 = fraction * area_mm2,
+           .pressure_mpa = p_mpa,
+           .gradient_L = gap.gradient_L,
+           .gap_mm = gap.gap_mm,
+           .depth_mm = std::max(rest_gap_mm - gap.gap_mm, 0.0),
+           .bone_depth_mm = bone_depth_mm(obstacles_[bone], point.x_L, gap, bone_rest_gap_mm)},
+          nodes);
     }
   }
 }

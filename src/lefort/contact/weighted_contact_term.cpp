@@ -1,6 +1,7 @@
 #include <lefort/contact/dense_faces.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/contact/point_in_patch.h>
+#include <lefort/contact/rest_gap.h>
 #include <lefort/contact/step_bound.h>
 #include <lefort/contact/weighted_contact_points.h>
 #include <lefort/contact/weighted_contact_term.h>
@@ -40,13 +41,6 @@ struct ClosestGaps {
     }
   }
 };
-
-/// \returns g_0 of a point.
-double rest_gap_of(const Gap& at_rest, double contact_snap_mm) {
-  const bool touches =
-      at_rest.zone == field::Zone::kBand && std::abs(at_rest.gap_mm) <= contact_snap_mm;
-  return touches ? at_rest.gap_mm : std::min(at_rest.gap_mm, 0.0);
-}
 
 /// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
 constexpr double kMaxGapSlope = 1.1;
@@ -103,7 +97,9 @@ WeightedContactTerm::WeightedContactTerm(std::span<const Vec3> nodes_L,
       }
       const ClosestGaps at(obstacles_, std::span(p_L).first(points.size()), Derivatives::kFirst);
       for (std::size_t q = 0; q < points.size(); ++q)
-        rest_gaps_mm_[part.first_point + q] = rest_gap_of(at.gaps[q], options_.contact_snap_mm);
+        rest_gaps_mm_[part.first_point + q] =
+            rest_gap_mm(at.gaps[q], gap_to_bone(obstacles_[at.obstacle[q]], p_L[q], at.gaps[q]),
+                        options_.contact_snap_mm);
     }
     gap_bounds_.push_back(kMaxGapSlope * shape_bound * weight_mm2 / patches_[p].area_mm2);
   }
@@ -115,9 +111,12 @@ WeightedContactTerm::WeightedContactTerm(std::span<const Vec3> nodes_L,
   }
   for (const DenseFace& face : dense_faces(faces_, nodes_L)) {
     face_areas_mm2_.push_back(face.area_mm2);
-    for (const DensePoint& point : face.points)
-      dense_rest_gaps_mm_.push_back(
-          rest_gap_of(closest_gap(obstacles_, point.x_L).first, options_.contact_snap_mm));
+    for (const DensePoint& point : face.points) {
+      const auto [gap, bone] = closest_gap(obstacles_, point.x_L);
+      const Gap to_bone = gap_to_bone(obstacles_[bone], point.x_L, gap);
+      dense_rest_gaps_mm_.push_back(rest_gap_mm(gap, to_bone, options_.contact_snap_mm));
+      dense_bone_rest_gaps_mm_.push_back(bone_rest_gap_mm(to_bone, options_.contact_snap_mm));
+    }
   }
   find_bone_points(nodes_L);
 }

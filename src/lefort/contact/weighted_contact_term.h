@@ -224,8 +224,9 @@ class WeightedContactTerm final : public fem::ForceTerm {
   double element_size_mm_ = 0.0;  ///< h: mean over the patches of their radius (max_depth_mm_).
   std::vector<PointsWithRest> sharp_points_, vertices_;  ///< Of each bone.
   std::vector<mesh::Face> faces_;
-  std::vector<double> face_areas_mm2_;      ///< In the reference configuration.
-  std::vector<double> dense_rest_gaps_mm_;  ///< g_0 of the dense samples of all faces.
+  std::vector<double> face_areas_mm2_;           ///< In the reference configuration.
+  std::vector<double> dense_rest_gaps_mm_;       ///< g_0 of the dense samples of all faces.
+  std::vector<double> dense_bone_rest_gaps_mm_;  ///< The same to the bone itself.
   std::vector<double> gap_bounds_;  ///< Of each patch: bound of |change of g_a| over |motion|.
 
   /// \returns how far a node of a patch has moved relative to a bone since note_clearances() [mm];

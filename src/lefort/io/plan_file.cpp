@@ -161,6 +161,9 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   if (const auto factor = contact.find("stiffness_factor"); factor != contact.end())
     plan.contact.stiffness_factor = factor->get<double>();
   internal::read_contact(contact, plan.contact);
+  for (const predict::Obstacle known : {predict::Obstacle::kRegularized, predict::Obstacle::kBone})
+    if (contact.value("obstacle", std::string()) == predict::name_of(known))
+      plan.contact.obstacle = known;
 
   const Json& field = section(json, "field");
   read(field, "resolution", plan.field.resolution);

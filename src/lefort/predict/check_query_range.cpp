@@ -46,12 +46,19 @@ Result<void> check_query_range_of(const geometry::RigidPath& path,
 
 Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
     const ContactBone& segment, contact::DetectionMethod detection) {
+  const geometry::TriangleMesh& surface_B =
+      segment.obstacle ? segment.obstacle->surface_B : segment.surface_B;
+  const auto& field_B = segment.obstacle ? segment.obstacle->field_B : segment.field_B;
   if (detection != contact::DetectionMethod::kBvh)
-    return contact::field_distance_query(
-        segment.field_B, detection,
-        std::make_shared<const geometry::TriangleMesh>(segment.surface_B));
-  return contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(segment.surface_B),
-                                     segment.field_B->band_mm());
+    return contact::field_distance_query(field_B, detection,
+                                         std::make_shared<const geometry::TriangleMesh>(surface_B));
+  return contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(surface_B),
+                                     field_B->band_mm());
+}
+
+Result<std::shared_ptr<const contact::DistanceQuery>> replaced_bone_query(const ContactBone& bone) {
+  if (!bone.obstacle) return nullptr;
+  return contact::field_distance_query(bone.field_B, contact::DetectionMethod::kTrilinear);
 }
 
 Result<DistanceQueries> bone_distance_queries(const std::vector<ContactBone>& segments,

@@ -16,14 +16,19 @@ namespace lefort::predict {
 /// One for each segment, in the order of the plan.
 using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
 
-/// Distance query of a bone. A bounding-volume hierarchy has the same maximum distance as the
-/// bone's field: its band.
+/// Distance query of a bone's obstacle, or of the bone itself if it has none. A bounding-volume
+/// hierarchy has the same maximum distance as the field: its band.
 ///
 /// \param segment    a segment or the stationary bone.
 /// \param detection  the method of the query.
 /// \returns as contact::field_distance_query().
 [[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
     const ContactBone& segment, contact::DetectionMethod detection);
+
+/// Distance query of the bone that an obstacle replaces, by trilinear interpolation; null if the
+/// bone has no obstacle.
+[[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> replaced_bone_query(
+    const ContactBone& bone);
 
 /// bone_distance_query() of each segment.
 [[nodiscard]] Result<DistanceQueries> bone_distance_queries(

@@ -8,9 +8,15 @@
 
 namespace lefort::predict {
 
+/// Penetration within which contact must measure the distance to a bone [mm]: 3 mm, plus half an
+/// element for the depth of the mesh in the bone at rest, plus half of the longest increment
+/// (load_levels.h).
+///
+/// \param tissue  its element size is used.
+[[nodiscard]] double contact_band_mm(const TissueOptions& tissue);
+
 /// Chooses the band of a field if `options` do not. Tissue must stay within the band. The band is
-/// therefore 3 mm, plus half an element for the depth of the mesh in the bone at rest, plus half of
-/// the longest increment (load_levels.h), but at most 0.4 of the longest side of the bone's box.
+/// therefore contact_band_mm(), but at most 0.4 of the longest side of the bone's box.
 ///
 /// \param options    of the plan.
 /// \param surface_B  of the bone.

@@ -89,14 +89,17 @@ Result<void> FaceBody::add_contacts(const DistanceQueries& distance_queries_B, P
     stiffness_mpa_per_mm_ =
         predict::contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
   std::vector<contact::RigidObstacle> bones;  // At rest: segments, then stationary bone if needed.
-  for (const auto& distance_query_B : distance_queries_B)
-    bones.push_back({distance_query_B, RigidTransform::Identity()});
+  for (std::size_t k = 0; k < distance_queries_B.size(); ++k) {
+    LEFORT_TRY(auto bone_B, replaced_bone_query(model_.segments[k]));
+    bones.push_back({distance_queries_B[k], RigidTransform::Identity(), std::move(bone_B)});
+  }
   if (needs_stationary) {
     LEFORT_CHECK(model_.stationary_bone);
     LEFORT_TRY(auto distance_query_L,
                bone_distance_query(*model_.stationary_bone, options_.contact.detection));
     LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.contact_snap_mm));
-    bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
+    LEFORT_TRY(auto bone_L, replaced_bone_query(*model_.stationary_bone));
+    bones.push_back({std::move(distance_query_L), RigidTransform::Identity(), std::move(bone_L)});
   }
   if (options_.contact.integration == contact::Integration::kWeighted) {
     if (is_sliding) add_weighted_contacts(bones, progress);

@@ -15,11 +15,20 @@
 
 namespace lefort::predict {
 
+/// The body that contact reads in place of a bone (regularized_bone.h).
+struct ContactObstacle {
+  geometry::TriangleMesh surface_B;
+  std::shared_ptr<const field::DistanceField> field_B;
+  double p50_distance_mm = 0.0;  ///< RegularizedBone::p50_distance_mm.
+  double p99_distance_mm = 0.0;  ///< RegularizedBone::p99_distance_mm.
+};
+
 /// A bone that tissue can touch, at its position in the scan: a mobilized segment, or the
 /// stationary bone. B is the frame of the bone; for stationary bone it is L.
 struct ContactBone {
   geometry::TriangleMesh surface_B;
   std::shared_ptr<const field::DistanceField> field_B;
+  std::shared_ptr<const ContactObstacle> obstacle = nullptr;  ///< Null: the bone itself.
 };
 
 struct FaceModel {

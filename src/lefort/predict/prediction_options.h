@@ -132,7 +132,17 @@ struct BoundaryOptions {
 /// elevation_margin_mm of interfaces other than kClinical, and of osteotomies without a template.
 inline constexpr double kElevationMargin_mm = 8.0;
 
+/// What contact reads in place of a bone.
+enum class Obstacle {
+  kRegularized,  ///< The bone at the resolution of the tissue mesh (regularized_bone.h).
+  kBone,         ///< The bone itself, as in the paper.
+};
+[[nodiscard]] constexpr std::string_view name_of(Obstacle obstacle) {
+  return obstacle == Obstacle::kBone ? "bone" : "regularized";
+}
+
 struct ContactOptions {
+  Obstacle obstacle = Obstacle::kRegularized;
   /// k_c = factor * Young's modulus / node spacing, > 0; default: stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
@@ -141,8 +151,9 @@ struct ContactOptions {
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The factor in k_c: that of `contact`, else 10, or 160 with a penetration tolerance. With 160 the
-/// augmented Lagrangian needs fewer Newton iterations, 370 instead of 631 on one path
+/// The factor in k_c: that of `contact`, else 100. With the bone itself as the obstacle it is 10,
+/// because a stiffer penalty needs too many Newton iterations, or 160 with a penetration tolerance:
+/// the augmented Lagrangian then needs 370 instead of 631 on one path
 /// (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the stiffness of
 /// contact::weighted_stiffness_mpa_per_mm().
 [[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);

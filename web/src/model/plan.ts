@@ -105,6 +105,7 @@ export interface Boundary {
 
 export interface Contact {
   stiffness_factor?: number;
+  obstacle?: 'regularized' | 'bone';
   detection?: 'smooth' | 'trilinear' | 'bvh';
   penetration_tolerance_mm?: number;
 }

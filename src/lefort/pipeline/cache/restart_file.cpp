@@ -19,7 +19,7 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 9;
+constexpr double kStepsRevision = 10;
 
 constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;
@@ -153,7 +153,8 @@ void visit(Archive& archive, fem::LoadAttempt& attempt) {
 template <class Archive>
 void visit(Archive& archive, contact::ContactStatistics& summary) {
   auto& [points, nodes, area_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
-         p99_from_rest_mm, force_L_n, normal_force_n, tunneled_area_mm2] = summary;
+         p99_from_rest_mm, max_bone_mm, p99_bone_mm, force_L_n, normal_force_n, tunneled_area_mm2] =
+      summary;
   archive(points);
   archive(nodes);
   archive(area_mm2);
@@ -162,6 +163,8 @@ void visit(Archive& archive, contact::ContactStatistics& summary) {
   archive(max_from_rest_mm);
   archive(mean_from_rest_mm);
   archive(p99_from_rest_mm);
+  archive(max_bone_mm);
+  archive(p99_bone_mm);
   visit(archive, force_L_n);
   archive(normal_force_n);
   archive(tunneled_area_mm2);
@@ -274,6 +277,13 @@ void add(io::Sha256& hash, const predict::InterfaceMap& map) {
         .add(plane.motion_fraction);
 }
 
+/// What contact reads in place of a bone.
+void add_obstacle(io::Sha256& hash, const predict::ContactBone& bone, const io::PlanFile& plan) {
+  const geometry::TriangleMesh& surface_B =
+      bone.obstacle ? bone.obstacle->surface_B : bone.surface_B;
+  hash.add(field_key(surface_B, contact_field_options(plan, surface_B)));
+}
+
 }  // namespace
 
 // Structured bindings name every member: a new member fails to compile until it is in the key.
@@ -283,10 +293,11 @@ std::string restart_key(const PreparedCase& prepared) {
   hash.add(kVersion).add(kStepsRevision);
   add(hash, prepared.model.tissue);
   hash.add(double(plan.segments.size()));
-  for (const predict::ContactBone& segment : prepared.model.segments)
-    hash.add(field_key(segment.surface_B, contact_field_options(plan, segment.surface_B)));
-  if (const auto& bone = prepared.model.stationary_bone)
-    hash.add(field_key(bone->surface_B, contact_field_options(plan, bone->surface_B)));
+  for (const predict::ContactBone& segment : prepared.model.segments) {
+    hash.add(segment.surface_B);
+    add_obstacle(hash, segment, plan);
+  }
+  if (const auto& bone = prepared.model.stationary_bone) add_obstacle(hash, *bone, plan);
   for (const geometry::RigidPath& path : prepared.paths()) {
     const auto& [name, keyframes, steps, interpolation] = path;
     hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
@@ -322,7 +333,9 @@ std::string restart_key(const PreparedCase& prepared) {
     hash.add(double(upper)).add(double(lower)).add(area_mm2).add(normal_L);
   }
   add(hash, prepared.model.interface);
-  const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
+  const auto& [obstacle, named_factor, detection, integration, penetration_tolerance_mm] =
+      plan.contact;
+  static_cast<void>(obstacle);  // The obstacles themselves are above.
   hash.add(predict::stiffness_factor(plan.contact, plan.tissue))
       .add(double(detection))
       .add(double(integration))

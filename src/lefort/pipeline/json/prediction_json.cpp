@@ -133,6 +133,7 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
           {"contact_snap_mm", plan.boundary.contact_snap_mm},
           {"stiffness_factor", predict::stiffness_factor(plan.contact, plan.tissue)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+          {"obstacle", predict::name_of(plan.contact.obstacle)},
           {"detection", contact::name_of(plan.contact.detection)},
           {"integration", contact::name_of(plan.contact.integration)},
           {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm

@@ -10,6 +10,7 @@
 #include <lefort/mesh/element_faces.h>
 #include <lefort/pipeline/cache/stage_keys.h>
 #include <lefort/pipeline/prepare/cached_field.h>
+#include <lefort/pipeline/prepare/find_obstacles.h>
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
@@ -194,7 +195,8 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
       std::move(with_lips.lips), std::move(layered)};
 }
 
-/// The field of stationary bone, if tissue meets it.
+/// The field of stationary bone, if tissue meets it. A regularized obstacle replaces it in contact,
+/// so that it need not be smooth.
 Result<std::optional<predict::ContactBone>> find_stationary_bone(
     const predict::TissueBoundary& boundary, const geometry::TriangleMesh& remainder_L,
     const io::PlanFile& plan, const StageCache& cache, Progress& progress) {
@@ -202,7 +204,10 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
       !predict::slides_on_stationary_bone(boundary.interface))
     return std::nullopt;
   LEFORT_TRY(auto field, find_field("remainder", remainder_L,
-                                    contact_field_options(plan, remainder_L), cache, progress));
+                                    plan.contact.obstacle == predict::Obstacle::kRegularized
+                                        ? overlap_field_options(plan, remainder_L)
+                                        : contact_field_options(plan, remainder_L),
+                                    cache, progress));
   return predict::ContactBone{remainder_L, std::move(field)};
 }
 
@@ -305,6 +310,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
+  LEFORT_TRY_VOID(find_obstacles(model, plan, plan.tissue, cache, progress));
   Provenance provenance = provenance_of(plan, plan_sha256, head);
   return PreparedCase{std::move(plan),
                       std::move(provenance),
@@ -332,11 +338,13 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
   LEFORT_TRY(std::optional<predict::ContactBone> stationary_bone,
              find_stationary_bone(found, remainder_L, prepared.plan, cache, progress));
-  return predict::FaceModel{.tissue = std::move(found.tissue),
-                            .segments = prepared.model.segments,
-                            .stationary_bone = std::move(stationary_bone),
-                            .interface = std::move(found.interface),
-                            .lips = std::move(made.lips)};
+  predict::FaceModel model{.tissue = std::move(found.tissue),
+                           .segments = prepared.model.segments,
+                           .stationary_bone = std::move(stationary_bone),
+                           .interface = std::move(found.interface),
+                           .lips = std::move(made.lips)};
+  LEFORT_TRY_VOID(find_obstacles(model, prepared.plan, tissue, cache, progress));
+  return model;
 }
 
 }  // namespace lefort::pipeline

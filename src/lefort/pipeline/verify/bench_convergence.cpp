@@ -29,6 +29,7 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
                 fmt::format("plan {} has no scan: set --ct", plan_file.string()));
   text.plan.contact.detection =
       contact::DetectionMethod::kSmooth;  // All methods can use its field.
+  text.plan.contact.obstacle = predict::Obstacle::kBone;
   if (job.element_size_mm) {
     predict::TissueOptions& tissue = text.plan.tissue;
     tissue.far_element_size_mm *= *job.element_size_mm / tissue.element_size_mm;

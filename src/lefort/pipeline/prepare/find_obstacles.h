@@ -1,0 +1,26 @@
+/// \file
+/// The obstacles that contact reads in place of the bones of a plan.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/pipeline/cache/stage_cache.h>
+#include <lefort/predict/face_model.h>
+#include <lefort/predict/prediction_options.h>
+
+namespace lefort::pipeline {
+
+/// Sets the obstacle of each bone of a model, if the plan has regularized obstacles
+/// (predict/regularized_bone.h). A bone that the mesh cannot resolve keeps none, with a warning.
+///
+/// \param model     with its tissue at rest.
+/// \param plan      its contact, field and paths are used.
+/// \param tissue    options of the model's tissue.
+/// \param progress  receives the distance of each obstacle from its bone.
+/// \returns nothing, or the errors of find_field() and predict::regularize_bone().
+[[nodiscard]] Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
+                                          const predict::TissueOptions& tissue,
+                                          const StageCache& cache, Progress& progress);
+
+}  // namespace lefort::pipeline
