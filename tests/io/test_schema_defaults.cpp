@@ -151,6 +151,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/boundary/lips", std::string(name_of(plan.boundary.lips))},
        {"/boundary/interface_layer_mm", plan.boundary.interface_layer_mm},
        {"/boundary/contact_snap_mm", plan.boundary.contact_snap_mm},
+       {"/contact/obstacle", std::string(predict::name_of(plan.contact.obstacle))},
        {"/contact/detection", std::string(contact::name_of(plan.contact.detection))},
        {"/contact/integration", std::string(contact::name_of(plan.contact.integration))},
        {"/field/resolution", plan.field.resolution},
