@@ -392,7 +392,7 @@ class Boundary(Part):
 @dataclass(frozen=True)
 class Contact(Part):
     stiffness_factor: float | None = None
-    obstacle: Literal["regularized", "bone"] = "regularized"
+    obstacle: Literal["regularized", "bone"] = "bone"
     detection: Literal["smooth", "trilinear", "bvh"] = "smooth"
     integration: Literal["quadrature", "nodes", "weighted"] = "quadrature"
     penetration_tolerance_mm: float | None = None

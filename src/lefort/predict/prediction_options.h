@@ -142,7 +142,7 @@ enum class Obstacle {
 }
 
 struct ContactOptions {
-  Obstacle obstacle = Obstacle::kRegularized;
+  Obstacle obstacle = Obstacle::kBone;
   /// k_c = factor * Young's modulus / node spacing, > 0; default: stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
@@ -151,11 +151,10 @@ struct ContactOptions {
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The factor in k_c: that of `contact`, else 100. With the bone itself as the obstacle it is 10,
-/// because a stiffer penalty needs too many Newton iterations, or 160 with a penetration tolerance:
-/// the augmented Lagrangian then needs 370 instead of 631 on one path
-/// (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the stiffness of
-/// contact::weighted_stiffness_mpa_per_mm().
+/// The factor in k_c: that of `contact`, else 10; 100 with a regularized obstacle, 160 with a
+/// penetration tolerance: the augmented Lagrangian then needs fewer Newton iterations, 370 instead
+/// of 631 on one path (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the
+/// stiffness of contact::weighted_stiffness_mpa_per_mm().
 [[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);
 
 struct SolverOptions {

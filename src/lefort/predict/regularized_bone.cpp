@@ -80,9 +80,9 @@ image::ScalarVolume distances_on(const image::Grid& grid, const field::DistanceF
       grid.size[1] * grid.size[2],
       [&](Index r) {
         std::vector<Vec3> points_L(static_cast<std::size_t>(row));
+        const Index j = r % grid.size[1], k = r / grid.size[1];
         for (Index i = 0; i < row; ++i)
-          points_L[std::size_t(i)] =
-              grid.point_L(Vec3(double(i), double(r % grid.size[1]), double(r / grid.size[1])));
+          points_L[std::size_t(i)] = grid.point_L(Vec3(double(i), double(j), double(k)));
         const std::span<float> of_row(distances.values.data() + r * row, std::size_t(row));
         field.distances(points_L, of_row);
         for (float& distance : of_row)

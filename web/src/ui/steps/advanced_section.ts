@@ -55,7 +55,7 @@ const contactFields = ({ contact = {}, field = {} }: Plan, set: SetPlan): Html =
   html`${numberField({
     label: 'Contact stiffness',
     hint: 'times E over element size',
-    value: contact.stiffness_factor ?? 100,
+    value: contact.stiffness_factor ?? 10,
     unit: '×',
     min: 0.01,
     max: 1e6,
