@@ -515,19 +515,25 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
 }
 
 TEST_F(PredictCommand, ASegmentInTwoPiecesThatMoveTogetherEqualsOnePiece) {
-  // The interface of the paper: the cut between the pieces elevates no tissue.
-  write_plan(test::with_paper_boundary(small_plan()));
-  ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
-  write_plan(test::with_paper_boundary(test::two_piece_plan({0, -3, 0}, {0, -3, 0})));
-  const auto run = predict("two", "--no-pictures");
-  ASSERT_EQ(run.exit_code, 0) << run.error;
-  const auto one = io::read_surface(folder_ / "one/predicted_skin.vtp").value();
-  const auto two = io::read_surface(folder_ / "two/predicted_skin.vtp").value();
-  ASSERT_EQ(one.vertices.size(), two.vertices.size());
-  double max_mm = 0.0;
-  for (std::size_t v = 0; v < one.vertices.size(); ++v)
-    max_mm = std::max(max_mm, (one.vertices[v] - two.vertices[v]).norm());
-  EXPECT_LT(max_mm, 0.1);  // Of the 3 mm.
+  for (const char* obstacle : {"bone", "regularized"}) {
+    // The interface of the paper: the cut between the pieces elevates no tissue.
+    json plan = test::with_paper_boundary(small_plan());
+    plan["contact"]["obstacle"] = obstacle;
+    write_plan(plan);
+    ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
+    plan = test::with_paper_boundary(test::two_piece_plan({0, -3, 0}, {0, -3, 0}));
+    plan["contact"]["obstacle"] = obstacle;
+    write_plan(plan);
+    const auto run = predict("two", "--no-pictures");
+    ASSERT_EQ(run.exit_code, 0) << run.error;
+    const auto one = io::read_surface(folder_ / "one/predicted_skin.vtp").value();
+    const auto two = io::read_surface(folder_ / "two/predicted_skin.vtp").value();
+    ASSERT_EQ(one.vertices.size(), two.vertices.size());
+    double max_mm = 0.0;
+    for (std::size_t v = 0; v < one.vertices.size(); ++v)
+      max_mm = std::max(max_mm, (one.vertices[v] - two.vertices[v]).norm());
+    EXPECT_LT(max_mm, 0.1) << obstacle;  // Of the 3 mm.
+  }
 }
 
 TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThreads) {

@@ -12,7 +12,8 @@ field::DistanceFieldOptions chosen(double bone_mm, const field::DistanceFieldOpt
                                    double element_size_mm = 2.5) {
   TissueOptions tissue;
   tissue.element_size_mm = element_size_mm;
-  return contact_field_options(options, test::make_icosphere(0.5 * bone_mm, 3), tissue);
+  return contact_field_options(options, test::make_icosphere(0.5 * bone_mm, 3), tissue,
+                               Obstacle::kBone);
 }
 
 TEST(ContactField, BandLeavesRoomForPenetrationRestDepthAndIncrement) {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "support/paper_boundary.h"
@@ -27,17 +28,21 @@ using test::kSide_mm;
 constexpr double kH_mm = 2.0;
 constexpr RegularizationOptions kOptions{.node_spacing_mm = kH_mm, .reach_mm = 4.5};
 
-Result<RegularizedBone> regularized(const geometry::TriangleMesh& bone,
-                                    const RegularizationOptions& options = kOptions) {
-  const FaceModel model = test::block_on_slab();
-  const TissueAtRest tissue = tissue_at_rest(model.tissue, options).value();
+ContactBone contact_bone(const geometry::TriangleMesh& bone) {
   const double extent_mm = geometry::bounding_box(bone).sizes().maxCoeff();
   field::DistanceField field =
       field::build_distance_field(bone,
                                   {.resolution = 128, .band_mm = std::min(4.0, 0.2 * extent_mm)})
           .value();
-  return regularize_bone({bone, std::make_shared<const field::DistanceField>(std::move(field))},
-                         tissue, options);
+  return {bone, std::make_shared<const field::DistanceField>(std::move(field))};
+}
+
+Result<RegularizedBone> regularized(const geometry::TriangleMesh& bone,
+                                    const RegularizationOptions& options = kOptions,
+                                    std::span<const AdjacentBone> adjacent = {}) {
+  const FaceModel model = test::block_on_slab();
+  const TissueAtRest tissue = tissue_at_rest(model.tissue, options).value();
+  return regularize_bone(contact_bone(bone), adjacent, tissue, options);
 }
 
 /// Signed distance of a point to the surface.
@@ -102,6 +107,30 @@ TEST(RegularizedBone, AnEdgeIsRounded) {
     if (std::abs(v.x() - 6.0) < 0.1 && std::abs(v.y() - 6.0) < 3.0)
       highest_beside_mm = std::max(highest_beside_mm, v.z());
   EXPECT_LT(highest_beside_mm, -0.25 * kH_mm);
+}
+
+/// Lowest vertex of the left half of a bone below the tissue, if the right half moves as given.
+double lowest_at_cut_mm(double separation_mm) {
+  const ContactBone right = contact_bone(test::make_box({6.0, -8.0, -10.0}, {20.0, 20.0, 0.0}));
+  const AdjacentBone adjacent[] = {{right.field_B, collar_mm(kH_mm, separation_mm)}};
+  const RegularizedBone left =
+      regularized(test::make_box({-8.0, -8.0, -10.0}, {6.0, 20.0, 0.0}), kOptions, adjacent)
+          .value();
+  EXPECT_TRUE(geometry::is_closed(left.surface_L));
+  double lowest_mm = 0.0;
+  for (const Vec3& v : below_tissue(left.surface_L))
+    if (v.x() < 6.0) lowest_mm = std::min(lowest_mm, v.z());
+  return lowest_mm;
+}
+
+TEST(RegularizedBone, ACutWhoseSidesStayTogetherIsNoGroove) {
+  EXPECT_GT(lowest_at_cut_mm(0.0), -0.04 * kH_mm);
+}
+
+TEST(RegularizedBone, ACutWhoseSidesSeparateHasRoundEdges) {
+  EXPECT_LT(lowest_at_cut_mm(kH_mm), -0.25 * kH_mm);
+  EXPECT_LT(lowest_at_cut_mm(kH_mm), lowest_at_cut_mm(0.5 * kH_mm));
+  EXPECT_LT(lowest_at_cut_mm(0.5 * kH_mm), lowest_at_cut_mm(0.0));
 }
 
 TEST(RegularizedBone, BoneBeyondTheReachIsLeftOut) {

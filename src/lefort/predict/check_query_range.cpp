@@ -46,9 +46,8 @@ Result<void> check_query_range_of(const geometry::RigidPath& path,
 
 Result<std::shared_ptr<const contact::DistanceQuery>> bone_distance_query(
     const ContactBone& segment, contact::DetectionMethod detection) {
-  const geometry::TriangleMesh& surface_B =
-      segment.obstacle ? segment.obstacle->surface_B : segment.surface_B;
-  const auto& field_B = segment.obstacle ? segment.obstacle->field_B : segment.field_B;
+  const geometry::TriangleMesh& surface_B = contact_surface_B(segment);
+  const auto& field_B = contact_field_B(segment);
   if (detection != contact::DetectionMethod::kBvh)
     return contact::field_distance_query(field_B, detection,
                                          std::make_shared<const geometry::TriangleMesh>(surface_B));

@@ -15,17 +15,17 @@ constexpr double kMaxExtentFraction = 0.4;  // A quarter of the cube is the wide
 
 }  // namespace
 
-double contact_band_mm(const TissueOptions& tissue) {
+double contact_band_mm(const TissueOptions& tissue, Obstacle obstacle) {
   return kContactBand_mm +
-         (kRestDepthFraction + 0.5 * kIncrementElementFraction) * tissue.element_size_mm;
+         (kRestDepthFraction + 0.5 * increment_element_fraction(obstacle)) * tissue.element_size_mm;
 }
 
 field::DistanceFieldOptions contact_field_options(field::DistanceFieldOptions options,
                                                   const geometry::TriangleMesh& surface_B,
-                                                  const TissueOptions& tissue) {
+                                                  const TissueOptions& tissue, Obstacle obstacle) {
   if (options.band_mm > 0.0 || options.side_mm > 0.0 || surface_B.vertices.empty()) return options;
   const double extent_mm = geometry::bounding_box(surface_B).sizes().maxCoeff();
-  const double wanted_mm = contact_band_mm(tissue);
+  const double wanted_mm = contact_band_mm(tissue, obstacle);
   if (field::default_band_mm(options.resolution, extent_mm) >= wanted_mm) return options;
   options.band_mm = std::min(wanted_mm, kMaxExtentFraction * extent_mm);
   return options;

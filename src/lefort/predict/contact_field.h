@@ -13,7 +13,7 @@ namespace lefort::predict {
 /// (load_levels.h).
 ///
 /// \param tissue  its element size is used.
-[[nodiscard]] double contact_band_mm(const TissueOptions& tissue);
+[[nodiscard]] double contact_band_mm(const TissueOptions& tissue, Obstacle obstacle);
 
 /// Chooses the band of a field if `options` do not. Tissue must stay within the band. The band is
 /// therefore contact_band_mm(), but at most 0.4 of the longest side of the bone's box.
@@ -25,6 +25,6 @@ namespace lefort::predict {
 ///   band is not narrower.
 [[nodiscard]] field::DistanceFieldOptions contact_field_options(
     field::DistanceFieldOptions options, const geometry::TriangleMesh& surface_B,
-    const TissueOptions& tissue);
+    const TissueOptions& tissue, Obstacle obstacle);
 
 }  // namespace lefort::predict

@@ -31,6 +31,15 @@ struct ContactBone {
   std::shared_ptr<const ContactObstacle> obstacle = nullptr;  ///< Null: the bone itself.
 };
 
+/// What contact reads: the obstacle of the bone, or the bone itself.
+[[nodiscard]] inline const geometry::TriangleMesh& contact_surface_B(const ContactBone& bone) {
+  return bone.obstacle ? bone.obstacle->surface_B : bone.surface_B;
+}
+[[nodiscard]] inline const std::shared_ptr<const field::DistanceField>& contact_field_B(
+    const ContactBone& bone) {
+  return bone.obstacle ? bone.obstacle->field_B : bone.field_B;
+}
+
 struct FaceModel {
   mesh::VolumeMesh tissue;            ///< With the sets of tissue_boundary.h.
   std::vector<ContactBone> segments;  ///< One or more, in the order of the plan.

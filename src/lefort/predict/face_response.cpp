@@ -99,7 +99,8 @@ Result<std::unique_ptr<FaceResponse>> FaceResponse::create(const FaceModel& mode
   double max_distance_mm = std::numeric_limits<double>::infinity();
   for (const auto& distance_query_B : distance_queries_B)
     max_distance_mm = std::min(max_distance_mm, distance_query_B->max_distance_mm());
-  response->max_increment_mm_ = max_increment_mm(options.tissue, max_distance_mm);
+  response->max_increment_mm_ =
+      max_increment_mm(options.tissue, options.contact.obstacle, max_distance_mm);
   for (const ContactBone& segment : model.segments) {
     const std::vector<Vec3>& vertices = segment.surface_B.vertices;
     Vec3 center = Vec3::Zero();

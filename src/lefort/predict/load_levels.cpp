@@ -42,16 +42,17 @@ std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths
   return levels;
 }
 
-double max_increment_mm(const TissueOptions& tissue, double max_distance_mm) {
+double max_increment_mm(const TissueOptions& tissue, Obstacle obstacle, double max_distance_mm) {
   constexpr double kDistanceFraction = 0.5;  // docs/theory/contact.md
-  return std::min(kIncrementElementFraction * tissue.element_size_mm,
+  return std::min(increment_element_fraction(obstacle) * tissue.element_size_mm,
                   kDistanceFraction * max_distance_mm);
 }
 
-int increments_of_step(const TissueOptions& tissue, const std::vector<geometry::RigidPath>& paths,
+int increments_of_step(const TissueOptions& tissue, Obstacle obstacle,
+                       const std::vector<geometry::RigidPath>& paths,
                        const std::vector<ContactBone>& segments, double max_distance_mm) {
   constexpr double kRoundOff = 1e-9;  // Of the number of increments.
-  const double max_mm = max_increment_mm(tissue, max_distance_mm);
+  const double max_mm = max_increment_mm(tissue, obstacle, max_distance_mm);
   const double step_mm = max_speed_mm(paths, segments) / geometry::steps_of(paths);
   return int(std::max(std::ceil(step_mm / max_mm - kRoundOff), 1.0));
 }

@@ -108,7 +108,8 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
 
 /// \param max_distance_mm  of the segments' distance queries, the smallest.
 void FacePath::make_stepper(double max_distance_mm) {
-  const int count = increments_of_step(options_.tissue, paths_, model_.segments, max_distance_mm);
+  const int count = increments_of_step(options_.tissue, options_.contact.obstacle, paths_,
+                                       model_.segments, max_distance_mm);
   levels_ = load_levels(paths_, count);
   increments_ = load_step_options(options_.solver, 1.0 / (count * geometry::steps_of(paths_)));
   stepper_.emplace(

@@ -29,6 +29,9 @@ constexpr double kSigmaFraction = 0.75;
 // Of the node spacing. A wall of thickness w recedes by the smoothing: by 0.2 h if w = h, by 0.04 h
 // if w = 1.5 h.
 constexpr double kWallFraction = 1.5;
+// Of the node spacing: two sigma. At a cut, a bone with a collar then recedes by 0.02 h.
+constexpr double kCollarFraction = 1.5;
+constexpr double kCutFraction = 0.5;      // Of the node spacing: a wider cut is not closed.
 constexpr double kMinAgreement = 0.5;     // Cosine between the gradients behind a wall.
 constexpr double kMaxBandFraction = 0.4;  // A quarter of the field's cube is the widest band.
 constexpr double kPadding_sigmas = 4.0;   // Beyond the Gaussian's cutoff.
@@ -59,9 +62,9 @@ image::Grid lattice_around(const Box3& bone, Box3 tissue, const RegularizationOp
   tissue.min() -= reach;
   tissue.max() += reach;
   const Box3 both = bone.intersection(tissue);
-  const double padding_mm =
-      options.node_spacing_mm * (kWallFraction + kPadding_sigmas * kSigmaFraction) +
-      2.0 * spacing_mm;
+  const double padding_mm = options.node_spacing_mm * (kCollarFraction + kWallFraction +
+                                                       kPadding_sigmas * kSigmaFraction) +
+                            2.0 * spacing_mm;
   image::Grid grid;
   grid.spacing_mm = Vec3::Constant(spacing_mm);
   grid.origin_L = both.min() - Vec3::Constant(padding_mm);
@@ -105,6 +108,43 @@ Vec3 direction_at(const image::ScalarVolume& distances, const std::array<Index, 
   }
   const double length = gradient.norm();
   return std::isfinite(length) && length > 0.0 ? Vec3(gradient / length) : Vec3::Zero();
+}
+
+/// Whether a point lies in the cut between two bones, or beside it in one of them: on the way
+/// through the cut it leaves one and enters the other.
+bool is_in_cut(const image::ScalarVolume& bone, const image::ScalarVolume& other,
+               const std::array<Index, 3>& at, double h_mm) {
+  const double d_B = double(bone.at(at[0], at[1], at[2]));
+  const double d_O = double(other.at(at[0], at[1], at[2]));
+  return d_B + d_O < kCutFraction * h_mm &&
+         direction_at(bone, at).dot(direction_at(other, at)) < -kMinAgreement;
+}
+
+/// Distances from the bone and from the collars of adjacent bones.
+image::ScalarVolume distances_with_collars(const image::Grid& grid, const ContactBone& bone,
+                                           std::span<const AdjacentBone> adjacent, double h_mm) {
+  const image::ScalarVolume of_bone = distances_on(grid, *bone.field_B);
+  image::ScalarVolume distances = of_bone;
+  const Index row = grid.size[0], rows = grid.size[1] * grid.size[2];
+  for (const AdjacentBone& other : adjacent) {
+    if (other.collar_mm <= 0.0) continue;
+    const image::ScalarVolume of_other = distances_on(grid, *other.field_L);
+    parallel_for(
+        rows,
+        [&](Index r) {
+          for (Index i = 0; i < row; ++i) {
+            const auto v = std::size_t(r * row + i);
+            const float beyond = of_bone.values[v] - float(other.collar_mm);
+            float inside_other = std::max(of_other.values[v], beyond);
+            if (beyond < 0.0F &&
+                is_in_cut(of_bone, of_other, {i, r % grid.size[1], r / grid.size[1]}, h_mm))
+              inside_other = beyond;
+            distances.values[v] = std::min(distances.values[v], inside_other);
+          }
+        },
+        8);
+  }
+  return distances;
 }
 
 /// Steps 1 and 2: positive inside, and at most one lattice spacing in magnitude.
@@ -183,7 +223,13 @@ Result<TissueAtRest> tissue_at_rest(const mesh::VolumeMesh& tissue,
   return TissueAtRest{box_L, std::move(field_L)};
 }
 
-Result<RegularizedBone> regularize_bone(const ContactBone& bone, const TissueAtRest& tissue,
+double collar_mm(double node_spacing_mm, double separation_mm) {
+  return kCollarFraction * std::max(node_spacing_mm - separation_mm, 0.0);
+}
+
+Result<RegularizedBone> regularize_bone(const ContactBone& bone,
+                                        std::span<const AdjacentBone> adjacent,
+                                        const TissueAtRest& tissue,
                                         const RegularizationOptions& options, Progress& progress) {
   const double h_mm = options.node_spacing_mm;
   LEFORT_CHECK(h_mm > 0.0 && options.reach_mm > h_mm);
@@ -191,12 +237,13 @@ Result<RegularizedBone> regularize_bone(const ContactBone& bone, const TissueAtR
       lattice_around(geometry::bounding_box(bone.surface_B), tissue.box_L, options);
   const double ball_ml = 4.0 / 3.0 * std::numbers::pi * std::pow(h_mm, 3) / 1000.0;
   RegularizedBone regularized;
-  LEFORT_TRY(regularized.surface_L,
-             anatomy::extract_isosurface(
-                 anatomy::smoothed(unsmoothed_level(distances_on(grid, *bone.field_B),
-                                                    distances_on(grid, tissue.field_L), options),
-                                   kSigmaFraction * h_mm),
-                 {.min_part_ml = ball_ml}, progress));
+  LEFORT_TRY(
+      regularized.surface_L,
+      anatomy::extract_isosurface(
+          anatomy::smoothed(unsmoothed_level(distances_with_collars(grid, bone, adjacent, h_mm),
+                                             distances_on(grid, tissue.field_L), options),
+                            kSigmaFraction * h_mm),
+          {.min_part_ml = ball_ml}, progress));
   measure(regularized, *bone.field_B, tissue.field_L, h_mm);
   return regularized;
 }

@@ -15,6 +15,10 @@
 /// 3. The level set is smoothed by a Gaussian of sigma = 3/4 h. The zero level of a smoothed
 ///    indicator moves by its mean curvature for the time sigma^2 / 2 (\cite merriman1992): planes
 ///    stay, features below sigma vanish, and a right angle gets the radius h.
+///
+/// A cut would become a groove, since each of its sides has edges. If the sides stay together on
+/// the path, tissue never reaches these edges: the obstacle of a bone then also has the part of the
+/// adjacent bone within a collar around it. The collar narrows to zero as the sides separate by h.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -25,6 +29,9 @@
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/face_model.h>
 
+#include <memory>
+#include <span>
+
 namespace lefort::predict {
 
 struct RegularizationOptions {
@@ -33,6 +40,18 @@ struct RegularizationOptions {
   /// is left out; > h.
   double reach_mm = 0.0;
 };
+
+/// Another bone of the model.
+struct AdjacentBone {
+  std::shared_ptr<const field::DistanceField> field_L;
+  double collar_mm = 0.0;  ///< Width of its part of the obstacle; of collar_mm().
+};
+
+/// Width of the collar of an adjacent bone.
+///
+/// \param separation_mm  largest relative motion of the two bones where they adjoin, >= 0.
+/// \returns 3/2 (h - separation_mm), but at least 0 [mm].
+[[nodiscard]] double collar_mm(double node_spacing_mm, double separation_mm);
 
 /// The tissue at rest, as regularize_bone() needs it.
 struct TissueAtRest {
@@ -58,6 +77,7 @@ struct RegularizedBone {
 };
 
 /// \param bone      its surface and field are used; B is L.
+/// \param adjacent  the other bones of the model.
 /// \param tissue    of tissue_at_rest() with the same options.
 /// \param options   \pre in the ranges above.
 /// \param progress  may cancel.
@@ -66,6 +86,7 @@ struct RegularizedBone {
 ///     from the tissue than the reach;
 ///   - kCancelled    `progress` requested a stop.
 [[nodiscard]] Result<RegularizedBone> regularize_bone(const ContactBone& bone,
+                                                      std::span<const AdjacentBone> adjacent,
                                                       const TissueAtRest& tissue,
                                                       const RegularizationOptions& options,
                                                       Progress& progress = Progress::none());

@@ -19,7 +19,7 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 10;
+constexpr double kStepsRevision = 11;
 
 constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;
@@ -279,8 +279,7 @@ void add(io::Sha256& hash, const predict::InterfaceMap& map) {
 
 /// What contact reads in place of a bone.
 void add_obstacle(io::Sha256& hash, const predict::ContactBone& bone, const io::PlanFile& plan) {
-  const geometry::TriangleMesh& surface_B =
-      bone.obstacle ? bone.obstacle->surface_B : bone.surface_B;
+  const geometry::TriangleMesh& surface_B = predict::contact_surface_B(bone);
   hash.add(field_key(surface_B, contact_field_options(plan, surface_B)));
 }
 

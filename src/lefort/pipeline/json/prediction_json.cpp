@@ -10,6 +10,8 @@
 #include <lefort/predict/lip_contact.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 
 namespace lefort::pipeline {
 namespace {
@@ -211,9 +213,18 @@ Json field_summary(const field::DistanceField& field) {
           {"smooth_bytes", field.smooth_bytes()}};
 }
 
-Json bones_summary(const plan::CutSegments& cut) {
-  return {{"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
-          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3}};
+/// Null if contact reads the bone itself.
+Json obstacle_summary(const std::shared_ptr<const predict::ContactObstacle>& obstacle) {
+  if (!obstacle) return nullptr;
+  return {{"p50_distance_mm", obstacle->p50_distance_mm},
+          {"p99_distance_mm", obstacle->p99_distance_mm}};
+}
+
+Json bones_summary(const PreparedCase& prepared) {
+  const std::optional<predict::ContactBone>& remainder = prepared.model.stationary_bone;
+  return {{"skull_volume_ml", prepared.cut.skull_volume_mm3 * 1e-3},
+          {"remainder_volume_ml", prepared.cut.remainder_volume_mm3 * 1e-3},
+          {"remainder_obstacle", obstacle_summary(remainder ? remainder->obstacle : nullptr)}};
 }
 
 Json segments_summary(const PreparedCase& prepared) {
@@ -228,6 +239,7 @@ Json segments_summary(const PreparedCase& prepared) {
     segment["min_piece_ml"] = options.min_piece_ml;
     segment["min_piece_fraction"] = options.min_piece_fraction;
     segment["field"] = field_summary(*prepared.model.segments[k].field_B);
+    segment["obstacle"] = obstacle_summary(prepared.model.segments[k].obstacle);
   });
 }
 
@@ -273,7 +285,7 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
         {"warnings", prepared.provenance.warnings}}},
       {"parameters", parameters(prepared, prediction)},
       {"tissue_volumes_ml", volumes(prepared)},
-      {"bones", bones_summary(prepared.cut)},
+      {"bones", bones_summary(prepared)},
       {"segments", segments_summary(prepared)},
       {"mesh", mesh_summary(prepared)},
       {"bone_overlap", overlaps},

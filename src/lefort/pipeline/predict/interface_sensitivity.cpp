@@ -24,7 +24,8 @@ std::vector<geometry::RigidPath> in_coarse_steps(const PreparedCase& prepared,
     moved_mm =
         std::max(moved_mm, geometry::max_displacement_mm(
                                paths[k], prepared.model.segments[k].surface_B.vertices, 0.0, 1.0));
-  const double step_mm = predict::kIncrementElementFraction * element_size_mm;
+  const double step_mm =
+      predict::increment_element_fraction(prepared.plan.contact.obstacle) * element_size_mm;
   const int steps = std::max(1, int(std::ceil(moved_mm / step_mm)));
   for (geometry::RigidPath& path : paths) path.steps = steps;
   return paths;

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 field::DistanceFieldOptions contact_field_options(const io::PlanFile& plan,
                                                   const geometry::TriangleMesh& surface_B) {
   field::DistanceFieldOptions options =
-      predict::contact_field_options(plan.field, surface_B, plan.tissue);
+      predict::contact_field_options(plan.field, surface_B, plan.tissue, plan.contact.obstacle);
   options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
   return options;
 }
