@@ -56,15 +56,17 @@ geometry::TriangleMesh boundary_surface(const mesh::VolumeMesh& tissue) {
 }
 
 /// Lattice of the bone that is close to the tissue.
-image::Grid lattice_around(const Box3& bone, Box3 tissue, const RegularizationOptions& options) {
+image::Grid lattice_around(const Box3& bone, Box3 tissue, std::span<const AdjacentBone> adjacent,
+                           const RegularizationOptions& options) {
   const double spacing_mm = kSpacingFraction * options.node_spacing_mm;
   const Vec3 reach = Vec3::Constant(options.reach_mm);
   tissue.min() -= reach;
   tissue.max() += reach;
   const Box3 both = bone.intersection(tissue);
-  const double padding_mm = options.node_spacing_mm * (kCollarFraction + kWallFraction +
-                                                       kPadding_sigmas * kSigmaFraction) +
-                            2.0 * spacing_mm;
+  double padding_mm = options.node_spacing_mm * (kWallFraction + kPadding_sigmas * kSigmaFraction) +
+                      2.0 * spacing_mm;
+  if (!adjacent.empty())
+    padding_mm += std::ranges::max_element(adjacent, {}, &AdjacentBone::collar_mm)->collar_mm;
   image::Grid grid;
   grid.spacing_mm = Vec3::Constant(spacing_mm);
   grid.origin_L = both.min() - Vec3::Constant(padding_mm);
@@ -234,7 +236,7 @@ Result<RegularizedBone> regularize_bone(const ContactBone& bone,
   const double h_mm = options.node_spacing_mm;
   LEFORT_CHECK(h_mm > 0.0 && options.reach_mm > h_mm);
   const image::Grid grid =
-      lattice_around(geometry::bounding_box(bone.surface_B), tissue.box_L, options);
+      lattice_around(geometry::bounding_box(bone.surface_B), tissue.box_L, adjacent, options);
   const double ball_ml = 4.0 / 3.0 * std::numbers::pi * std::pow(h_mm, 3) / 1000.0;
   RegularizedBone regularized;
   LEFORT_TRY(

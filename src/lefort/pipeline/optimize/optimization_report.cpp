@@ -18,6 +18,9 @@
 namespace lefort::pipeline {
 namespace {
 
+/// Rounded for "{:.2f}", which would print a small negative number as -0.00.
+double to_hundredths(double value) { return std::round(100.0 * value) / 100.0 + 0.0; }
+
 constexpr report::PictureSize kDrawnSize{.width = 1000, .height = 900, .supersampling = 2};
 constexpr report::Rgb kWanted{0.80, 0.15, 0.15}, kReached{0.10, 0.45, 0.75};
 constexpr double kMarker_mm = 1.6;
@@ -158,8 +161,8 @@ report::ReportTable movement_table(const Optimization& done) {
           fmt::format("{} {} [{}]", body.name, inverse::kMotionNames[i], i < 3 ? "mm" : "\u00b0");
       const bool is_free = body.is_free[i] && body.lower[row] < body.upper[row];
       const double value = motions[b][row];
-      table.rows.push_back({name, fmt::format("{:.2f}", body.start[row]),
-                            fmt::format("{:.2f}", value),
+      table.rows.push_back({name, fmt::format("{:.2f}", to_hundredths(body.start[row])),
+                            fmt::format("{:.2f}", to_hundredths(value)),
                             is_free ? fmt::format("{:g}", body.lower[row]) : "\u2013",
                             is_free ? fmt::format("{:g}", body.upper[row]) : "\u2013",
                             !is_free                   ? "not free"
@@ -203,7 +206,7 @@ std::string movement_sentence(const Optimization& done) {
   std::string words;
   const std::vector<inverse::MotionVector> motions = done.variables.motions(done.result.face.x);
   for (std::size_t b = 0; b < motions.size(); ++b) {
-    const inverse::MotionVector& m = motions[b];
+    const inverse::MotionVector m = motions[b].unaryExpr(&to_hundredths);
     words += fmt::format(
         "{}\u201c{}\u201d moves {:.2f} mm forward, {:.2f} mm up and {:.2f} mm to the left, and "
         "rotates by {:.2f}\u00b0 (pitch), {:.2f}\u00b0 (roll), {:.2f}\u00b0 (yaw)",
