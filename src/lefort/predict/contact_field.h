@@ -12,7 +12,8 @@ namespace lefort::predict {
 /// element for the depth of the mesh in the bone at rest, plus half of the longest increment
 /// (load_levels.h).
 ///
-/// \param tissue  its element size is used.
+/// \param tissue    its element size is used.
+/// \param obstacle  of the plan's contact; it determines the longest increment.
 [[nodiscard]] double contact_band_mm(const TissueOptions& tissue, Obstacle obstacle);
 
 /// Chooses the band of a field if `options` do not. Tissue must stay within the band. The band is
@@ -21,6 +22,7 @@ namespace lefort::predict {
 /// \param options    of the plan.
 /// \param surface_B  of the bone.
 /// \param tissue     its element size is used.
+/// \param obstacle   as for contact_band_mm().
 /// \returns the options with band_mm; unchanged if band_mm or side_mm was given, or if the default
 ///   band is not narrower.
 [[nodiscard]] field::DistanceFieldOptions contact_field_options(
