@@ -392,10 +392,10 @@ class Boundary(Part):
 @dataclass(frozen=True)
 class Contact(Part):
     stiffness_factor: float | None = None
-    obstacle: Literal["regularized", "bone"] = "bone"
+    obstacle: Literal["regularized", "bone"] = "regularized"
     detection: Literal["smooth", "trilinear", "bvh"] = "smooth"
-    integration: Literal["quadrature", "nodes", "weighted"] = "quadrature"
-    penetration_tolerance_mm: float | None = None
+    integration: Literal["quadrature", "weighted"] = "quadrature"
+    penetration_tolerance_mm: float | None = 0.05
 
 
 @_described("field")

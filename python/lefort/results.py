@@ -35,7 +35,7 @@ class Step:
         path_fraction: fraction of the planned bone motion, 0 to 1.
         poses_L: 4 by 4 pose of each segment, by name; it maps bone as scanned to frame L [mm].
         max_displacement_mm: of a node.
-        max_penetration_mm: of tissue into the segments, over the contact area.
+        max_penetration_mm: of tissue into the obstacles of the segments.
         p99_penetration_increase_mm: 99th percentile over the contact area.
         contact_area_mm2: of tissue with the segments, at rest.
         relative_residual: of the last Newton iteration.

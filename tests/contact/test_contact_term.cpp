@@ -22,18 +22,12 @@ namespace {
 
 constexpr double kStiffness = 0.04;
 
-ContactTerm::Options options(double contact_snap_mm,
-                             Integration integration = Integration::kQuadrature) {
-  return {.name = "the plate",
-          .stiffness_mpa_per_mm = kStiffness,
-          .contact_snap_mm = contact_snap_mm,
-          .integration = integration};
-}
+constexpr double kHardening = 0.05;
 
-ContactTerm::Options with_depth(double tolerance_mm) {
-  ContactTerm::Options requested = options(0.5);
-  requested.penetration_tolerance_mm = tolerance_mm;
-  return requested;
+ContactTerm::Options options(double contact_snap_mm, double hardening_mpa_per_mm2 = 0.0) {
+  return {.name = "the plate",
+          .law = {kStiffness, hardening_mpa_per_mm2, 0.8},
+          .contact_snap_mm = contact_snap_mm};
 }
 
 /// A slab of bone with its upper face at z = 0.
@@ -176,56 +170,6 @@ TEST(ContactTerm, DeeperThanTheBandIsInadmissible) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, ReportsWhatHasTunneledThroughAPlate) {
-  ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
-  term.set_pose(lifted(0.8));
-  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
-  term.set_pose(lifted(1.5));  // The lower face is the closest one now.
-  EXPECT_NEAR(term.newly_tunneled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
-  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(1.4)), 0.0);
-  EXPECT_EQ(term.summarize(flat_face(0.0)).tunneled_area_mm2, 0.0);
-  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);  // No tolerance is set.
-  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
-  term.commit(flat_face(0.0));
-  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).tunneled_area_mm2, kFaceArea_mm2, 1e-9);
-}
-
-TEST(ContactTerm, BeyondTheMedialSurfaceTheTangentPlanePushesBack) {
-  ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
-  term.set_pose(lifted(1.5));
-  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);  // The closest surface.
-  term.commit(flat_face(0.0));                                   // Keeps the reference.
-  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 6);
-  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);
-  const Evaluated kept = evaluate(term, 0, flat_face(0.0));
-  EXPECT_NEAR(kept.energy_mj, kStiffness * 1.5 * 1.5 * kFaceArea_mm2, 1e-5);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
-              1e-5);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_penetration_increase_mm, 1.5, 1e-5);
-  EXPECT_EQ(term.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
-
-  term.rollback();  // The planes were not committed.
-  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
-  term.activate_tangent_planes(flat_face(0.0));
-  term.commit(flat_face(0.2));
-  term.begin_step();
-  EXPECT_GT(term.summarize(flat_face(0.2)).force_L_n.z(), 0.0);  // Still beyond the medial surface.
-  term.commit(flat_face(1.2));
-  term.set_pose(lifted(3.4));
-  EXPECT_GT(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);  // The plane is active until
-  term.begin_step();                                             // the next increment.
-  EXPECT_EQ(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);
-}
-
-TEST(ContactTerm, WithTangentPlanesResidualAndStiffnessAreDerivativesOfTheEnergy) {
-  ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
-  std::vector<Vec3> x_L{{0.1, 0.0, 0.0}, {0.0, 4.2, 0.3}, {4.0, 0.2, 0.5}};
-  term.set_pose(lifted(1.5));
-  ASSERT_GT(term.activate_tangent_planes(x_L), 0);
-  expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, x_L);
-}
-
 TEST(ContactTerm, AContactToleranceBeyondTheBandIsALogicError) {
   EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), options(3.0)), LogicError);
 }
@@ -243,20 +187,15 @@ TEST(ContactTerm, PenetrationAndPenetrationIncreaseDiffer) {
 
 struct Tested {
   DetectionMethod detection;
-  Integration integration;
-  bool augmented;
+  double hardening_mpa_per_mm2;
 };
 
 class ContactTermOnABall : public testing::TestWithParam<Tested> {};
-INSTANTIATE_TEST_SUITE_P(
-    WithAPotential, ContactTermOnABall,
-    testing::Values(Tested{DetectionMethod::kTrilinear, Integration::kQuadrature, false},
-                    Tested{DetectionMethod::kSmooth, Integration::kQuadrature, false},
-                    Tested{DetectionMethod::kTrilinear, Integration::kNodes, false},
-                    Tested{DetectionMethod::kSmooth, Integration::kNodes, false},
-                    Tested{DetectionMethod::kTrilinear, Integration::kQuadrature, true},
-                    Tested{DetectionMethod::kSmooth, Integration::kQuadrature, true},
-                    Tested{DetectionMethod::kSmooth, Integration::kNodes, true}));
+INSTANTIATE_TEST_SUITE_P(WithAPotential, ContactTermOnABall,
+                         testing::Values(Tested{DetectionMethod::kTrilinear, 0.0},
+                                         Tested{DetectionMethod::kSmooth, 0.0},
+                                         Tested{DetectionMethod::kTrilinear, kHardening},
+                                         Tested{DetectionMethod::kSmooth, kHardening}));
 
 /// \returns the sum of the equations of all items.
 Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
@@ -281,13 +220,13 @@ Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
 
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(GetParam().detection), options(0.1, GetParam().integration));
+  ContactTerm term(rest, kFace, ball(GetParam().detection),
+                   options(0.1, GetParam().hardening_mpa_per_mm2));
   EXPECT_TRUE(term.is_conservative(fem::DofMap::build(3, {}).value()));
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
-  const double unaugmented_mj = gather(term, rest).energy_mj;
-  if (GetParam().augmented) term.update_multipliers(rest);
+  ASSERT_GT(gather(term, rest).energy_mj, 0.0);
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> shift_mm(-0.15, 0.15);
   for (int state = 0; state < 5; ++state) {
@@ -298,7 +237,6 @@ TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
     expect_derivatives_of_energy([&](const auto& x) { return gather(term, x); }, x_L);
     EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
   }
-  ASSERT_GT(unaugmented_mj, 0.0);
 }
 
 /// A slightly warped face of any shape near the ball; mid-edge nodes are off the straight edge.
@@ -367,7 +305,7 @@ TEST(ContactTerm, StatisticsAreSumsOverThePoints) {
   EXPECT_EQ(term.summarize(nodes).points, 0);
   term.set_pose(lifted(1.0));
   const ContactStatistics pressed = term.summarize(nodes);
-  EXPECT_EQ(pressed.points, 12);
+  EXPECT_EQ(pressed.points, 24);
   EXPECT_EQ(pressed.nodes, 4);
   EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
   EXPECT_NEAR(pressed.max_penetration_mm, 1.0, 1e-6);
@@ -405,12 +343,41 @@ TEST(ContactTerm, ReportsPressureAndGapOfEveryNode) {
 
 TEST(ContactTerm, RejectsAStateInWhichAPlateHasJumpedThrough) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
+  const RigidTransform at_rest = RigidTransform::Identity();
   term.set_pose(lifted(0.8));
-  EXPECT_FALSE(term.rejection_reason(flat_face(0.0)));
-  term.set_pose(lifted(1.5));
-  const auto refusal = term.rejection_reason(flat_face(0.0));
-  ASSERT_TRUE(refusal);
-  EXPECT_NE(refusal->find("have tunneled through the plate"), std::string::npos) << *refusal;
+  EXPECT_FALSE(term.rejection_reason(at_rest, flat_face(0.0), flat_face(0.0)));
+  term.set_pose(lifted(1.5));  // The lower face is the closest one now.
+  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
+  const auto thin = term.rejection_reason(at_rest, flat_face(0.0), flat_face(0.0));
+  ASSERT_TRUE(thin);
+  EXPECT_NE(thin->find("in the plate passed through thin bone"), std::string::npos) << *thin;
+  EXPECT_FALSE(term.rejection_reason(at_rest, flat_face(0.0), flat_face(1.4)));
+  // Also for tissue that was in contact before.
+  EXPECT_TRUE(term.rejection_reason(lifted(0.3), flat_face(0.0), flat_face(0.0)));
+  term.set_pose(lifted(3.0));
+  const auto whole = term.rejection_reason(at_rest, flat_face(0.1), flat_face(0.1));
+  ASSERT_TRUE(whole);
+  EXPECT_NE(whole->find("passed through the plate in one increment"), std::string::npos) << *whole;
+}
+
+TEST(ContactTerm, TheHardeningTermGivesFourTimesYoungsModulusAtTheTolerance) {
+  constexpr double kYoung_mpa = 0.015, kTolerance_mm = 0.05;
+  ContactTerm term(flat_face(0.0), kFace, slab(),
+                   {.law = hardening_law(0.0, kYoung_mpa, kTolerance_mm), .contact_snap_mm = 0.5});
+  term.set_pose(lifted(kTolerance_mm));
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 4.0 * kYoung_mpa * kFaceArea_mm2, 1e-6);
+  term.set_pose(lifted(2.0 * kTolerance_mm));
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 16.0 * kYoung_mpa * kFaceArea_mm2,
+              1e-6);
+}
+
+TEST(ContactTerm, DepthsAreMeasuredBetweenTheQuadraturePoints) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.0));
+  std::vector<Vec3> x_L = flat_face(1.0);
+  x_L[1].z() = -0.2;  // Only the corner dips into the slab.
+  term.note_clearances(x_L);
+  const ContactStatistics pressed = term.summarize(x_L);
+  EXPECT_NEAR(pressed.max_penetration_increase_mm, 0.2, 1e-6);
 }
 
 TEST(ContactTerm, BvhNormalsHaveNoPotential) {
@@ -419,94 +386,6 @@ TEST(ContactTerm, BvhNormalsHaveNoPotential) {
                          {bvh_distance_query(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
                          options(0.5));
   EXPECT_FALSE(term.is_conservative(fem::DofMap::build(3, {}).value()));
-}
-
-class LumpedFaces : public testing::TestWithParam<mesh::FaceShape> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, LumpedFaces,
-                         testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
-                                         mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
-
-TEST_P(LumpedFaces, HaveTheForceAndTheMomentOfThePressureOnTheFace) {
-  const auto corners = std::size_t(mesh::corner_count(GetParam()));
-  std::vector<Vec3> x{{0, 0, 0}, {0, 4, 0}, {4, 4, 0}, {4, 0, 0}};
-  if (corners == 3) x.erase(x.begin() + 2);
-  for (std::size_t a = 0; x.size() < std::size_t(mesh::node_count(GetParam())); ++a)
-    x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]));
-  ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(),
-                   options(0.5, Integration::kNodes));
-  EXPECT_EQ(term.item_count(), Index(x.size()));
-  term.set_pose(lifted(1.5));
-  const double area_mm2 = corners == 3 ? 8.0 : 16.0;
-  const double force_n = 2.0 * kStiffness * 1.5 * area_mm2;
-  const VectorX residual_n = gather(term, x).residual_n;
-  Vec3 sum_n = Vec3::Zero(), moment = Vec3::Zero(), center = Vec3::Zero();
-  for (std::size_t a = 0; a < x.size(); ++a) {
-    sum_n -= residual_n.segment<3>(3 * Index(a));
-    moment -= x[a].cross(Vec3(residual_n.segment<3>(3 * Index(a))));
-    if (a < corners) center += x[a] / double(corners);
-  }
-  EXPECT_LT((sum_n - Vec3(0.0, 0.0, force_n)).norm(), 1e-6);
-  EXPECT_LT((moment - center.cross(Vec3(0.0, 0.0, force_n))).norm(), 1e-5);
-  EXPECT_NEAR(term.summarize(x).area_mm2, area_mm2, 1e-9);
-}
-
-TEST(ContactTerm, MultipliersAreThePressureWithoutDepthAndNeverPull) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
-  term.set_pose(lifted(1.0));
-  const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
-  term.update_multipliers(flat_face(0.0));
-  EXPECT_NEAR(term.summarize(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
-  EXPECT_NEAR(term.summarize(flat_face(1.0)).max_penetration_increase_mm, 0.0, 1e-6);
-  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
-  // Half of the force where the face is half as far off; none beyond.
-  EXPECT_NEAR(term.summarize(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
-  EXPECT_EQ(evaluate(term, 0, flat_face(2.1)).residual_n.norm(), 0.0);
-  term.update_multipliers(flat_face(2.1));  // Without pressure the multiplier is zero.
-  EXPECT_EQ(term.summarize(flat_face(1.01)).points, 0);
-}
-
-TEST(ContactTerm, RollbackRestoresTheCommittedMultipliers) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
-  term.set_pose(lifted(1.0));
-  term.update_multipliers(flat_face(0.0));
-  term.commit(flat_face(1.0));
-  const double kept_n = term.summarize(flat_face(1.0)).force_L_n.z();
-  term.update_multipliers(flat_face(0.5));
-  EXPECT_GT(term.summarize(flat_face(1.0)).force_L_n.z(), 1.4 * kept_n);
-  term.rollback();
-  EXPECT_EQ(term.summarize(flat_face(1.0)).force_L_n.z(), kept_n);
-}
-
-TEST(ContactTerm, RestoreGivesTheCommittedState) {
-  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), with_depth(0.1)); };
-  ContactTerm term = made();
-  term.set_pose(lifted(1.5));
-  term.update_multipliers(flat_face(1.2));
-  ASSERT_EQ(term.activate_tangent_planes(flat_face(0.0)), 6);
-  term.commit(flat_face(0.0));
-  ContactTerm other = made();
-  other.set_pose(lifted(1.5));
-  other.restore(term.checkpoint(), flat_face(0.0));
-  const auto summary = term.summarize(flat_face(0.2)), expected = other.summarize(flat_face(0.2));
-  EXPECT_EQ(summary.force_L_n, expected.force_L_n);
-  EXPECT_GT(summary.force_L_n.z(), 0.0);
-  EXPECT_EQ(summary.tunneled_area_mm2, 0.0);  // The tangent planes prevent it.
-}
-
-TEST(ContactTerm, RestoreGivesTheTunneledArea) {
-  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), options(0.5)); };
-  ContactTerm term = made();
-  term.set_pose(lifted(1.5));
-  term.update_multipliers(flat_face(1.2));
-  term.commit(flat_face(0.0));
-  ContactTerm other = made();
-  other.set_pose(lifted(1.5));
-  other.restore(term.checkpoint(), flat_face(0.0));
-  const auto summary = term.summarize(flat_face(1.2)), expected = other.summarize(flat_face(1.2));
-  EXPECT_EQ(summary.force_L_n, expected.force_L_n);
-  EXPECT_GT(summary.tunneled_area_mm2, 0.0);
-  EXPECT_EQ(summary.tunneled_area_mm2, expected.tunneled_area_mm2);
-  EXPECT_EQ(other.newly_tunneled_area_mm2(flat_face(0.0)), 0.0);
 }
 
 TEST(ContactTerm, TheP99OfDepthExcludesTheDeepestPercentOfTheArea) {
@@ -531,7 +410,7 @@ TEST(ContactTerm, CountsThePointsInContact) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 0);
   term.set_pose(lifted(1.0));
-  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 6);
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 12);
 }
 
 TEST(ContactTerm, AStateBeyondTheBandIsInadmissibleAndTheMessageNamesTheBand) {

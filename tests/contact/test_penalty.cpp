@@ -11,15 +11,24 @@ constexpr double kStiffness = 0.05;
 constexpr double kRadius_mm = 8.0;
 
 /// A ball at the origin, with exact gap and derivatives.
-PenaltyResponse against_ball(const Vec3& p) {
+PenaltyResponse against_ball(const Vec3& p, const PressureLaw& law = {kStiffness}) {
   const double r = p.norm();
   const Vec3 n = p / r;
-  return penalty_response(kRadius_mm - r, n, (Mat3::Identity() - n * n.transpose()) / r,
-                          {kStiffness});
+  return penalty_response(kRadius_mm - r, n, (Mat3::Identity() - n * n.transpose()) / r, law);
 }
 
 TEST(Penalty, EnergyIsStiffnessTimesDepthSquared) {
   EXPECT_DOUBLE_EQ(against_ball({6.0, 0.0, 0.0}).energy_mj_per_mm2, kStiffness * 4.0);
+}
+
+TEST(Penalty, TheHardeningTermGrowsWithTheSquareOfTheDepth) {
+  const PressureLaw law = hardening_law(0.0, 0.015, 0.05);
+  EXPECT_DOUBLE_EQ(pressure_mpa(0.05, law), 0.06);
+  EXPECT_DOUBLE_EQ(pressure_mpa(0.1, law), 0.24);
+  EXPECT_NEAR(against_ball({7.9, 0.0, 0.0}, law).energy_mj_per_mm2, 0.008, 1e-15);
+  // Beyond twice the tolerance the pressure continues with its slope there.
+  EXPECT_DOUBLE_EQ(pressure_mpa(0.2, law), 0.24 + 0.1 * 2.0 * 24.0 * 0.1);
+  EXPECT_DOUBLE_EQ(pressure_slope_mpa_per_mm(0.2, law), 2.0 * 24.0 * 0.1);
 }
 
 TEST(Penalty, PushesTissueOutOfTheBone) {
@@ -35,10 +44,20 @@ TEST(Penalty, NoForceOutsideOrOnTheSurface) {
             0.0);
 }
 
-TEST(Penalty, GradientAndHessianAreThoseOfTheEnergy) {
+class PressureLaws : public testing::TestWithParam<PressureLaw> {};
+INSTANTIATE_TEST_SUITE_P(Penalty, PressureLaws,
+                         testing::Values(PressureLaw{kStiffness, 0.0}, PressureLaw{0.0, 0.03, 2.0},
+                                         PressureLaw{kStiffness, 0.03, 2.0},
+                                         PressureLaw{kStiffness, 0.03, 0.5}));
+
+TEST_P(PressureLaws, GradientAndHessianAreThoseOfTheEnergy) {
   constexpr double kStep = 1e-5;
   const Vec3 p(3.0, -4.0, 5.0);
+  const auto against_ball = [](const Vec3& at) {
+    return test_penalty::against_ball(at, GetParam());
+  };
   const PenaltyResponse at_p = against_ball(p);
+  EXPECT_NEAR(at_p.gradient_mpa.norm(), pressure_mpa(kRadius_mm - p.norm(), GetParam()), 1e-15);
   for (int axis = 0; axis < 3; ++axis) {
     const PenaltyResponse plus = against_ball(p + kStep * Vec3::Unit(axis));
     const PenaltyResponse minus = against_ball(p - kStep * Vec3::Unit(axis));

@@ -40,8 +40,8 @@ Json good_plan() {
                  "foundation_mm": 30, "elevation_margin_mm": 5, "joint_margin_mm": 6,
                  "interface_layer_mm": 0.5, "contact_snap_mm": 0.7, "lips": "joined",
                  "labels": "painted.seg.nrrd"},
-    "contact": {"stiffness_factor": 30, "obstacle": "regularized", "detection": "bvh",
-                "integration": "nodes", "penetration_tolerance_mm": 0.05},
+    "contact": {"stiffness_factor": 30, "obstacle": "bone", "detection": "bvh",
+                "integration": "weighted", "penetration_tolerance_mm": null},
     "field": {"resolution": 64, "band_mm": 4},
     "solver": {"relative_tolerance": 1e-7, "max_iterations": 12}
   })");
@@ -79,10 +79,10 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.boundary.lips, predict::Lips::kJoined);
   EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
-  EXPECT_EQ(plan.contact.obstacle, predict::Obstacle::kRegularized);
+  EXPECT_EQ(plan.contact.obstacle, predict::Obstacle::kBone);
   EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kBvh);
-  EXPECT_EQ(plan.contact.integration, contact::Integration::kNodes);
-  EXPECT_EQ(plan.contact.penetration_tolerance_mm, 0.05);
+  EXPECT_EQ(plan.contact.integration, contact::Integration::kWeighted);
+  EXPECT_FALSE(plan.contact.penetration_tolerance_mm);
   EXPECT_EQ(plan.field.resolution, 64);
   EXPECT_EQ(plan.field.band_mm, 4.0);
   EXPECT_EQ(plan.solver.relative_tolerance, 1e-7);

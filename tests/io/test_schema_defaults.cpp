@@ -154,6 +154,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/contact/obstacle", std::string(predict::name_of(plan.contact.obstacle))},
        {"/contact/detection", std::string(contact::name_of(plan.contact.detection))},
        {"/contact/integration", std::string(contact::name_of(plan.contact.integration))},
+       {"/contact/penetration_tolerance_mm", *plan.contact.penetration_tolerance_mm},
        {"/field/resolution", plan.field.resolution},
        {"/field/tolerance_mm", plan.field.tolerance_mm},
        {"/solver/relative_tolerance", plan.solver.relative_tolerance},

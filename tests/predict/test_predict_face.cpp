@@ -64,38 +64,40 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneExceptForThePenetration) {
   }
 }
 
-TEST(PredictFace, OnASlabDetectionAndIntegrationMethodsAgree) {
+TEST(PredictFace, OnASlabDetectionMethodsAgree) {
   const FaceModel model = block_on_slab();
   const auto reference =
       predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, test::paper_options()).value();
   ASSERT_TRUE(reference.converged());
-  for (const auto integration : {contact::Integration::kQuadrature, contact::Integration::kNodes}) {
+  for (const auto detection :
+       {contact::DetectionMethod::kBvh, contact::DetectionMethod::kTrilinear}) {
     PredictionOptions options = test::paper_options();
-    options.contact.detection = contact::DetectionMethod::kBvh;
-    options.contact.integration = integration;
+    options.contact.detection = detection;
     const auto other = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, options).value();
     ASSERT_TRUE(other.converged()) << other.failure->message;
     for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n)
       EXPECT_LT((reference.steps.back().displacement_mm[n] - other.steps.back().displacement_mm[n])
                     .norm(),
-                integration == contact::Integration::kNodes ? 0.05 : 1e-4);
+                1e-4);
   }
 }
 
-TEST(PredictFace, MultipliersReachThePenetrationTolerance) {
-  const FaceModel model = block_on_ball();
+TEST(PredictFace, TheDepthOfHardeningContactIsProportionalToTheTolerance) {
+  const FaceModel model = block_on_slab();
   PredictionOptions options = test::paper_options();
   options.solver.relative_tolerance = 1e-8;
-  const geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 3);
-  const auto penalty = predict_face(model, {path}, options).value();
-  options.contact.penetration_tolerance_mm = 0.01;
-  const auto augmented = predict_face(model, {path}, options).value();
-  ASSERT_TRUE(penalty.converged() && augmented.converged());
-  EXPECT_GT(penalty.steps.back().contact().p99_penetration_increase_mm, 0.05);
-  for (const PredictionStep& step : augmented.steps) {
-    EXPECT_LE(step.contact().p99_penetration_increase_mm, 0.01);
-    EXPECT_LE(step.relative_residual, 1e-8);
-  }
+  const geometry::RigidPath path = straight({0.0, 0.0, 1.0}, 2);
+  const auto p99_mm = [&](std::optional<double> tolerance_mm) {
+    options.contact.penetration_tolerance_mm = tolerance_mm;
+    const auto prediction = predict_face(model, {path}, options).value();
+    EXPECT_TRUE(prediction.converged());
+    EXPECT_LE(prediction.steps.back().relative_residual, 1e-8);
+    return prediction.steps.back().contact().p99_penetration_increase_mm;
+  };
+  const double penalty_mm = p99_mm(std::nullopt), coarse_mm = p99_mm(0.04), fine_mm = p99_mm(0.01);
+  EXPECT_LT(coarse_mm, penalty_mm);
+  EXPECT_LT(fine_mm, 0.02);
+  EXPECT_NEAR(fine_mm / coarse_mm, 0.25, 0.1);  // The pressure is nearly the same.
 }
 
 TEST(PredictFace, StifferContactLeavesLessPenetration) {
@@ -225,8 +227,7 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
 /// Resumes after each step of the path and expects the same bits.
 void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath& path,
                               PredictionOptions options) {
-  options.contact.penetration_tolerance_mm = 1e-3;
-  options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
+  options.contact.penetration_tolerance_mm = 0.01;
   std::vector<Restart> kept;
   const PredictionWatch watch{
       .on_step = {}, .on_restart = [&](const Restart& restart) { kept.push_back(restart); }};
@@ -234,16 +235,14 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
   ASSERT_TRUE(whole.converged()) << whole.failure->message;
   ASSERT_EQ(kept.size(), std::size_t(path.steps));
   for (const Restart& restart : kept) {
-    const std::vector<double>& multipliers_mpa = restart.contacts[0].multipliers_mpa;
-    ASSERT_GT(*std::max_element(multipliers_mpa.begin(), multipliers_mpa.end()), 0.0)
-        << restart.steps.back().contact().p99_penetration_increase_mm << " mm";
+    ASSERT_GT(restart.steps.back().contact().points, 0);
     const auto rest = predict_face(model, {path}, options, {}, Progress::none(), restart).value();
     ASSERT_EQ(rest.steps.size(), whole.steps.size());
     for (std::size_t n = 0; n < whole.steps.size(); ++n) {
       const PredictionStep &a = whole.steps[n], &b = rest.steps[n];
       EXPECT_EQ(a.displacement_mm, b.displacement_mm) << "step " << n;
       EXPECT_EQ(a.contact().force_L_n, b.contact().force_L_n);
-      EXPECT_EQ(a.contact().tunneled_area_mm2, b.contact().tunneled_area_mm2);
+      EXPECT_EQ(a.contact().max_penetration_increase_mm, b.contact().max_penetration_increase_mm);
       EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
       EXPECT_EQ(a.residual_n, b.residual_n);
     }
@@ -261,7 +260,7 @@ void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath&
     for (const contact::NodalContact& node : of_segment)
       deepest_mm = std::max(deepest_mm, node.depth_mm);
   EXPECT_GT(deepest_mm, 0.0);
-  EXPECT_EQ(deepest_mm, whole.steps.back().contact().max_penetration_increase_mm);
+  EXPECT_LE(deepest_mm, whole.steps.back().contact().max_penetration_increase_mm);
 }
 
 TEST(PredictFace, ResumedAfterAnyStepGivesTheSameBits) {
@@ -279,24 +278,19 @@ TEST(PredictFace, ResumedWithASkinLayerGivesTheSameBits) {
 TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
   const FaceModel model = block_on_ball();
   PredictionOptions options = test::paper_options();
-  options.contact.penetration_tolerance_mm = 1e-3;
-  options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
+  options.contact.penetration_tolerance_mm = 0.01;
   const geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 3);
   std::vector<std::vector<PredictionIterate>> reported(1);
-  double max_multiplier_mpa = 0.0;
   const PredictionWatch watch{
       .on_iterate = [&](const PredictionIterate& at) { reported.back().push_back(at); },
       .on_step = [&](const PredictionStep&) { reported.emplace_back(); },
       .on_restart =
           [&](const Restart& restart) {
             EXPECT_EQ(restart.steps.size(), reported.size());  // Before on_step.
-            for (const double multiplier_mpa : restart.contacts[0].multipliers_mpa)
-              max_multiplier_mpa = std::max(max_multiplier_mpa, multiplier_mpa);
           }};
   const auto seen = predict_face(model, {path}, options, watch).value();
   const auto alone = predict_face(model, {path}, options).value();
   ASSERT_TRUE(seen.converged() && alone.converged());
-  ASSERT_GT(max_multiplier_mpa, 0.0) << "no multiplier was used";
   EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
   ASSERT_EQ(reported.size(), seen.steps.size() + 1);
   EXPECT_TRUE(reported.back().empty());
@@ -317,8 +311,10 @@ TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
       }
     }
     EXPECT_EQ(k, reported[n].size());
-    EXPECT_NEAR(reported[n].back().deepest_mm, seen.steps[n].contact().max_penetration_increase_mm,
-                1e-12);
+    // At quadrature points; the statistics are over dense samples.
+    const double max_mm = seen.steps[n].contact().max_penetration_increase_mm;
+    EXPECT_LE(reported[n].back().deepest_mm, max_mm);
+    EXPECT_GT(reported[n].back().deepest_mm, 0.3 * max_mm);
   }
 }
 

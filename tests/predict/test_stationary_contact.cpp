@@ -95,10 +95,10 @@ TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
   EXPECT_EQ(pressed.steps.back().segments[0].contact.points, 0);
 
   options.contact.penetration_tolerance_mm = 0.01;
-  const auto augmented = predict_face(slides, {path}, options).value();
-  ASSERT_TRUE(augmented.converged());
-  EXPECT_LE(augmented.steps.back().stationary_contact.p99_penetration_increase_mm, 0.01);
-  EXPECT_GT(bottom_of(slides, augmented.steps.back()).lowest_mm, -0.05);
+  const auto hardening = predict_face(slides, {path}, options).value();
+  ASSERT_TRUE(hardening.converged());
+  EXPECT_LE(hardening.steps.back().stationary_contact.p99_penetration_increase_mm, 0.01);
+  EXPECT_GT(bottom_of(slides, hardening.steps.back()).lowest_mm, -0.05);
 }
 
 TEST(StationaryContact, LiftsOffWhereItIsPulled) {

@@ -1,4 +1,4 @@
-#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/contact/contact_surface.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/solve/prepare_deck.h>

@@ -32,6 +32,7 @@ namespace lefort::test {
   predict::PredictionOptions options;
   options.boundary = paper_boundary();
   options.contact.obstacle = predict::Obstacle::kBone;
+  options.contact.penetration_tolerance_mm = std::nullopt;  // The penalty alone.
   return options;
 }
 

@@ -1,7 +1,7 @@
 #include <lefort/bench/convergence.h>
 #include <lefort/bench/stopwatch.h>
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/measure_gap.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/elements/quadrature_rules.h>
 #include <lefort/geometry/rigid_path.h>
@@ -15,7 +15,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <set>
 #include <utility>
 
 namespace lefort::bench {
@@ -51,20 +50,11 @@ double relative(const fem::NewtonIterate& iterate) {
                                             : 0.0;
 }
 
-/// Points at which a method evaluates gaps: nodes or quadrature points of the contact faces.
-std::vector<Vec3> detection_points(const predict::FaceModel& model, contact::Integration where,
-                                   std::span<const Vec3> x_L) {
-  const auto& faces = model.tissue.face_sets.at(predict::sets::kContact);
+/// Quadrature points of the contact faces.
+std::vector<Vec3> detection_points(const predict::FaceModel& model, std::span<const Vec3> x_L) {
   std::vector<Vec3> points;
-  if (where == contact::Integration::kNodes) {
-    std::set<std::int32_t> nodes;
-    for (const mesh::Face& face : faces)
-      for (const std::int32_t node : mesh::nodes_of(face)) nodes.insert(node);
-    for (const std::int32_t node : nodes) points.push_back(x_L[std::size_t(node)]);
-    return points;
-  }
-  for (const mesh::Face& face : faces)
-    for (const auto& point : fem::triangle_6()) {
+  for (const mesh::Face& face : model.tissue.face_sets.at(predict::sets::kContact))
+    for (const auto& point : fem::triangle_12()) {
       const double xi = point.xi[0], eta = point.xi[1];
       points.emplace_back((1.0 - xi - eta) * x_L[std::size_t(face.nodes[0])] +
                           xi * x_L[std::size_t(face.nodes[1])] +
@@ -81,7 +71,7 @@ Result<MethodRun> follow(const ConvergenceCase& task, const ContactMethod& metho
                          Progress& progress) {
   predict::PredictionOptions prediction = task.options;
   prediction.contact.detection = method.detection;
-  prediction.contact.integration = method.integration;
+  prediction.contact.integration = contact::Integration::kQuadrature;
   prediction.contact.penetration_tolerance_mm = method.penetration_tolerance_mm;
   prediction.solver.relative_tolerance = options.relative_tolerance;
   prediction.solver.max_iterations = options.max_iterations;
@@ -120,7 +110,7 @@ Result<MethodRun> follow(const ConvergenceCase& task, const ContactMethod& metho
     for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
     for (std::size_t k = 0; k < bones.size(); ++k) bones[k].X_LB = last.segments[k].X_LB;
   }
-  const std::vector<Vec3> points = detection_points(task.model, method.integration, x_L);
+  const std::vector<Vec3> points = detection_points(task.model, x_L);
   std::vector<contact::Gap> gaps(points.size());
   std::vector<double> seconds;
   for (int n = 0; n < 5; ++n) {
@@ -167,9 +157,9 @@ std::string table(std::span<const MethodRun> runs) {
   std::string text =
       "| case | method | steps converged | failed increments | iterations (in failed ones) | per "
       "converged step | residual increased | largest final relative residual | nodes in contact | "
-      "largest P99 of depth | depth P99 / max mm at the end | tunneled mm² | µs per point "
+      "largest P99 of depth | depth P99 / max mm at the end | µs per point "
       "detected | s per detection | "
-      "walk s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "walk s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const MethodRun& run : runs) {
     const Tally sum = tally(run);
     const auto& steps = run.prediction.steps;
@@ -179,14 +169,12 @@ std::string table(std::span<const MethodRun> runs) {
     for (const predict::PredictionStep& step : steps) in_steps += step.newton_iterations();
     text += fmt::format(
         "| {} | {} | {} of {} | {} | {} ({}) | {:.1f} | {} | {:.1e} | {} | {:.3f} | {:.3f} / "
-        "{:.3f} | "
-        "{:.0f} "
-        "| {:.3f} | {:.4f} | {:.1f} |\n",
+        "{:.3f} | {:.3f} | {:.4f} | {:.1f} |\n",
         run.case_name, run.method.name, steps.size(), run.steps_requested, sum.failed_attempts,
         sum.iterations, sum.failed_iterations,
         steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
         sum.max_final, last.nodes, sum.max_p99_mm, last.p99_penetration_increase_mm,
-        last.max_penetration_increase_mm, last.tunneled_area_mm2,
+        last.max_penetration_increase_mm,
         1e6 * run.detection_seconds / double(std::max<std::size_t>(run.detection_points, 1)),
         run.detection_seconds, run.seconds);
   }
@@ -325,12 +313,10 @@ Result<void> write_results(std::span<const MethodRun> all, std::span<const Metho
 
 std::vector<ContactMethod> contact_methods() {
   using enum contact::DetectionMethod;
-  using enum contact::Integration;
-  constexpr double kTolerance_mm = 0.05;  // Penetration tolerance of the multipliers.
-  return {{"bvh-nodal", kBvh, kNodes},
-          {"field-trilinear", kTrilinear, kQuadrature},
-          {"field-smooth", kSmooth, kQuadrature},
-          {"field-smooth-augmented", kSmooth, kQuadrature, kTolerance_mm}};
+  return {{"bvh", kBvh},
+          {"field-trilinear", kTrilinear},
+          {"field-smooth", kSmooth},
+          {"field-smooth-hardening", kSmooth, predict::ContactOptions{}.penetration_tolerance_mm}};
 }
 
 Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,

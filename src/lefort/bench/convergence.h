@@ -25,20 +25,20 @@ struct ConvergenceCase {
   std::string mesh_name;
   predict::FaceModel model;
   std::vector<geometry::RigidPath> paths;
-  /// Detection, integration and penetration tolerance are replaced by those of the method, Newton's
+  /// Detection and penetration tolerance are replaced by those of the method, Newton's
   /// tolerance and iterations by those of ConvergenceOptions.
   predict::PredictionOptions options;
 };
 
-/// A method of detection and integration of contact.
+/// A method of detection and of the pressure of contact.
 struct ContactMethod {
   std::string_view name;
   contact::DetectionMethod detection;
-  contact::Integration integration;
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The baseline of the paper, the method of the paper, lefort's, and lefort's with multipliers.
+/// The baseline of the paper, the method of the paper, the smooth field, and the smooth field with
+/// hardening contact (predict::contact_law()).
 [[nodiscard]] std::vector<ContactMethod> contact_methods();
 
 /// A cube edge and a coarse sphere are pressed into a block of tissue and slide along it; their

@@ -1,4 +1,5 @@
 #include <lefort/contact/contact_clearance.h>
+#include <lefort/contact/measure_gap.h>
 
 namespace lefort::contact {
 namespace {
@@ -6,9 +7,6 @@ namespace {
 /// Slack as a fraction of the resolution of the distance query: many times the jumps of a sampled
 /// distance between cells.
 constexpr double kSlackFraction = 0.2;
-
-/// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
-constexpr double kMaxGradient = 1.1;
 
 }  // namespace
 
@@ -25,7 +23,7 @@ bool ContactClearance::is_out_of_range(std::size_t patch, const RigidObstacle& o
   const double slack_mm = kSlackFraction * obstacle.distance_query_B->resolution_mm();
   const Patch& last = patches_[patch];
   if (last.clearance_mm <= slack_mm) return false;
-  const double allowed_mm = (last.clearance_mm - slack_mm) / (kMaxGradient * displacement_bound);
+  const double allowed_mm = (last.clearance_mm - slack_mm) / (kMaxGapSlope * displacement_bound);
   const Mat3 R_BL = obstacle.X_LB.linear().transpose();
   for (std::size_t a = 0; a < x_L.size(); ++a) {
     const Vec3 x_B = R_BL * (x_L[a] - obstacle.X_LB.translation());

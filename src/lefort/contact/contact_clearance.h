@@ -32,9 +32,6 @@ class ContactClearance {
   void record(std::size_t patch, const RigidObstacle& obstacle, std::span<const Vec3> x_L,
               double clearance_mm);
 
-  /// Sets the clearance of a patch to zero: it is evaluated at every state.
-  void reset(std::size_t patch) { patches_[patch].clearance_mm = 0.0; }
-
   /// \param x_L                 nodes of the patch [mm]; the bone is at its present pose.
   /// \param displacement_bound  FaceQuadrature::displacement_bound.
   /// \returns whether no point of the patch can be in contact.

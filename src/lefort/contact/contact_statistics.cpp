@@ -32,13 +32,15 @@ Index count_distinct(std::vector<std::int32_t> numbers) {
 }  // namespace
 
 ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b) {
-  const double area_mm2 = a.area_mm2 + b.area_mm2;
+  const double sampled_mm2 = a.sampled_area_mm2 + b.sampled_area_mm2;
   const auto mean = [&](double of_a, double of_b) {
-    return area_mm2 > 0.0 ? (a.area_mm2 * of_a + b.area_mm2 * of_b) / area_mm2 : 0.0;
+    return sampled_mm2 > 0.0 ? (a.sampled_area_mm2 * of_a + b.sampled_area_mm2 * of_b) / sampled_mm2
+                             : 0.0;
   };
   return {.points = a.points + b.points,
           .nodes = a.nodes + b.nodes,
-          .area_mm2 = area_mm2,
+          .area_mm2 = a.area_mm2 + b.area_mm2,
+          .sampled_area_mm2 = sampled_mm2,
           .max_penetration_mm = std::max(a.max_penetration_mm, b.max_penetration_mm),
           .mean_penetration_mm = mean(a.mean_penetration_mm, b.mean_penetration_mm),
           .max_penetration_increase_mm =
@@ -52,39 +54,41 @@ ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b
           .p99_bone_penetration_increase_mm =
               std::max(a.p99_bone_penetration_increase_mm, b.p99_bone_penetration_increase_mm),
           .force_L_n = a.force_L_n + b.force_L_n,
-          .normal_force_n = a.normal_force_n + b.normal_force_n,
-          .tunneled_area_mm2 = a.tunneled_area_mm2 + b.tunneled_area_mm2};
+          .normal_force_n = a.normal_force_n + b.normal_force_n};
 }
 
 void ContactStatisticsSum::add(const PointContact& point, std::span<const std::int32_t> nodes) {
   if (!(point.pressure_mpa > 0.0)) return;
-  const double penetration_mm = std::max(-point.gap_mm, 0.0);
   const Vec3 force_n = point.area_mm2 * point.pressure_mpa * point.gradient_L;
   ++sum_.points;
   nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
   sum_.area_mm2 += point.area_mm2;
-  sum_.max_penetration_mm = std::max(sum_.max_penetration_mm, penetration_mm);
-  sum_.mean_penetration_mm += point.area_mm2 * penetration_mm;
-  sum_.max_penetration_increase_mm = std::max(sum_.max_penetration_increase_mm, point.depth_mm);
-  sum_.mean_penetration_increase_mm += point.area_mm2 * point.depth_mm;
-  depth_and_area_.emplace_back(point.depth_mm, point.area_mm2);
-  sum_.max_bone_penetration_increase_mm =
-      std::max(sum_.max_bone_penetration_increase_mm, point.bone_depth_mm);
-  bone_depth_and_area_.emplace_back(point.bone_depth_mm, point.area_mm2);
   sum_.force_L_n += force_n;
   sum_.normal_force_n += force_n.norm();
 }
 
-ContactStatistics ContactStatisticsSum::finish(double tunneled_area_mm2) && {
+void ContactStatisticsSum::add(const DepthSample& sample) {
+  const double penetration_mm = std::max(-sample.gap_mm, 0.0);
+  sum_.sampled_area_mm2 += sample.area_mm2;
+  sum_.max_penetration_mm = std::max(sum_.max_penetration_mm, penetration_mm);
+  sum_.mean_penetration_mm += sample.area_mm2 * penetration_mm;
+  sum_.max_penetration_increase_mm = std::max(sum_.max_penetration_increase_mm, sample.depth_mm);
+  sum_.mean_penetration_increase_mm += sample.area_mm2 * sample.depth_mm;
+  depth_and_area_.emplace_back(sample.depth_mm, sample.area_mm2);
+  sum_.max_bone_penetration_increase_mm =
+      std::max(sum_.max_bone_penetration_increase_mm, sample.bone_depth_mm);
+  bone_depth_and_area_.emplace_back(sample.bone_depth_mm, sample.area_mm2);
+}
+
+ContactStatistics ContactStatisticsSum::finish() && {
   sum_.p99_penetration_increase_mm =
       std::max(depth_at_fraction(std::move(depth_and_area_), kBeyondP99), 0.0);
   sum_.p99_bone_penetration_increase_mm =
       std::max(depth_at_fraction(std::move(bone_depth_and_area_), kBeyondP99), 0.0);
   sum_.nodes = count_distinct(std::move(nodes_));
-  sum_.tunneled_area_mm2 = tunneled_area_mm2;
-  if (sum_.area_mm2 > 0.0) {
-    sum_.mean_penetration_mm /= sum_.area_mm2;
-    sum_.mean_penetration_increase_mm /= sum_.area_mm2;
+  if (sum_.sampled_area_mm2 > 0.0) {
+    sum_.mean_penetration_mm /= sum_.sampled_area_mm2;
+    sum_.mean_penetration_increase_mm /= sum_.sampled_area_mm2;
   }
   return sum_;
 }

@@ -2,8 +2,7 @@
 /// Statistics of contact at one state: sums over all points, values at nodes, single points.
 ///
 /// Two depths occur (docs/glossary.md): the penetration max(-g, 0), and the penetration increase
-/// d = g_0 - g, on which the contact pressure depends. Where a tangent plane is the constraint, g
-/// is the smaller of the gap to the plane and the gap to the closest surface.
+/// d = g_0 - g, on which the contact pressure depends.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -22,24 +21,23 @@ struct ContactStatistics {
   Index points = 0;       ///< Quadrature points (weighted gaps: dense samples) in contact.
   Index nodes = 0;        ///< Nodes of faces with such a point.
   double area_mm2 = 0.0;  ///< Of the reference surface in contact.
-  double max_penetration_mm = 0.0;            ///< Over that area.
-  double mean_penetration_mm = 0.0;           ///< Over that area.
-  double max_penetration_increase_mm = 0.0;   ///< Over that area.
-  double mean_penetration_increase_mm = 0.0;  ///< Over that area.
-  /// Penetration increase that 99 % of that area does not exceed; >= 0.
+  // Depths are over dense samples of the faces in contact (dense_faces.h).
+  double sampled_area_mm2 = 0.0;  ///< Of the reference surface that these samples stand for.
+  double max_penetration_mm = 0.0;
+  double mean_penetration_mm = 0.0;
+  double max_penetration_increase_mm = 0.0;
+  double mean_penetration_increase_mm = 0.0;
+  /// Penetration increase that 99 % of the area of these samples does not exceed; >= 0.
   double p99_penetration_increase_mm = 0.0;
   /// The same with the gap to the bone itself, where the obstacle replaces it (rest_gap.h).
   double max_bone_penetration_increase_mm = 0.0;
   double p99_bone_penetration_increase_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes of the forces of the points [N].
-  /// Cumulative reference area of points that tunneled through thin bone without a tangent plane
-  /// [mm^2]. A point counts once per event.
-  double tunneled_area_mm2 = 0.0;
 };
 
 /// Statistics of two bones together: sums of counts, areas and forces, maxima of depths, means
-/// over both areas. Tissue in contact with both counts twice. The P99 is the larger of the two,
+/// over both sampled areas. Tissue in contact with both counts twice. The P99 is the larger one,
 /// which is not less than that of the whole area.
 [[nodiscard]] ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b);
 
@@ -62,10 +60,16 @@ struct ContactPoint {
 struct PointContact {
   double area_mm2 = 0.0;           ///< A_n.
   double pressure_mpa = 0.0;       ///< p; 0 without contact.
-  Vec3 gradient_L = Vec3::Zero();  ///< Of the gap that the force acts on.
-  double gap_mm = 0.0;             ///< g.
+  Vec3 gradient_L = Vec3::Zero();  ///< Of the gap.
   double depth_mm = 0.0;           ///< d.
-  double bone_depth_mm = 0.0;      ///< The same to the bone itself.
+};
+
+/// A dense sample of a face in contact.
+struct DepthSample {
+  double area_mm2 = 0.0;       ///< Of the reference surface that it stands for.
+  double gap_mm = 0.0;         ///< g.
+  double depth_mm = 0.0;       ///< d.
+  double bone_depth_mm = 0.0;  ///< The same to the bone itself.
 };
 
 /// Adds up ContactStatistics point by point.
@@ -73,10 +77,10 @@ class ContactStatisticsSum {
  public:
   /// \param nodes  of the patch of the point.
   void add(const PointContact& point, std::span<const std::int32_t> nodes);
+  void add(const DepthSample& sample);
 
-  /// \param tunneled_area_mm2  of all increments so far.
-  /// \returns the statistics of all points that were added.
-  [[nodiscard]] ContactStatistics finish(double tunneled_area_mm2) &&;
+  /// \returns the statistics of all points and samples that were added.
+  [[nodiscard]] ContactStatistics finish() &&;
 
  private:
   ContactStatistics sum_;

@@ -10,31 +10,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 namespace lefort::contact {
 
-/// Where the contact potential is integrated.
-enum class Integration : std::uint8_t {
-  kQuadrature,  ///< At quadrature points inside the faces.
-  kNodes,       ///< At the nodes, each with its lumped area; for comparison.
-  kWeighted,    ///< By weighted gaps of the nodes, without history (weighted_contact_term.h).
-};
+/// \param nodes_L  nodes in the reference configuration [mm].
+/// \param u        their displacements, three per node [mm]; as in fem::Assembler.
+/// \returns the current positions of the nodes [mm].
+[[nodiscard]] std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u);
 
-/// Name in plans and results.
-[[nodiscard]] constexpr std::string_view name_of(Integration integration) {
-  switch (integration) {
-    case Integration::kNodes:
-      return "nodes";
-    case Integration::kWeighted:
-      return "weighted";
-    default:
-      return "quadrature";
-  }
-}
-
-/// A face, or a node with its part of the faces around it.
+/// A face.
 struct ContactPatch {
   std::array<std::int32_t, kMaxFaceNodes> nodes{};
   std::uint8_t count = 0;
@@ -61,12 +46,9 @@ struct PatchPositions {
 /// Patches and their quadrature points. Immutable.
 class ContactSurface {
  public:
-  /// \param nodes_L      all nodes in the reference configuration [mm].
-  /// \param faces        of any shape.
-  /// \param integration  kQuadrature: one patch per face, with the points of face_quadrature();
-  ///   kNodes: one patch of one point per node, in the order of the node numbers.
-  ContactSurface(std::span<const Vec3> nodes_L, std::span<const mesh::Face> faces,
-                 Integration integration);
+  /// \param nodes_L  all nodes in the reference configuration [mm].
+  /// \param faces    of any shape; each is a patch with the points of face_quadrature().
+  ContactSurface(std::span<const Vec3> nodes_L, std::span<const mesh::Face> faces);
 
   [[nodiscard]] std::span<const ContactPatch> patches() const { return patches_; }
   [[nodiscard]] const ContactPatch& patch(std::size_t number) const { return patches_[number]; }
@@ -77,9 +59,6 @@ class ContactSurface {
   [[nodiscard]] double area_mm2(std::size_t point) const { return areas_mm2_[point]; }
 
  private:
-  void add_faces(std::span<const Vec3> nodes_L, std::span<const mesh::Face> faces);
-  void add_nodes(std::span<const Vec3> nodes_L, std::span<const mesh::Face> faces);
-
   std::vector<ContactPatch> patches_;
   std::vector<double> areas_mm2_;
 };

@@ -1,5 +1,7 @@
+#include <lefort/contact/bone_passage.h>
 #include <lefort/contact/contact_term.h>
 #include <lefort/contact/rest_gap.h>
+#include <lefort/contact/step_bound.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 
@@ -8,15 +10,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace lefort::contact {
 namespace {
 
-/// Largest fraction of the contact area that may tunnel in one increment. A bone that jumps through
-/// a face takes whole faces with it (test RejectsAStateInWhichAPlateHasJumpedThrough); over thin
-/// edges of a real skull far less tunnels (study "contact on a real head").
-constexpr double kMaxTunneledFraction = 0.02;
+/// Largest fraction of the tissue in the bone that may pass the middle of thin bone in one
+/// increment. A bone that jumps through a face takes whole faces with it; over thin edges of a real
+/// skull far less passes (study "contact on a real head").
+constexpr double kMaxPassedFraction = 0.02;
 
 /// Gaps at the points of a rule.
 struct RuleGaps {
@@ -57,30 +60,61 @@ void add_point(double area_mm2, std::span<const double> N, const PenaltyResponse
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                          RigidObstacle obstacle, const Options& options,
                          std::span<const RigidObstacle> other_obstacles)
-    : name_(options.name),
+    : options_(options),
       obstacle_(std::move(obstacle)),
-      stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
-      penetration_tolerance_mm_(options.penetration_tolerance_mm),
-      surface_(nodes_L, faces, options.integration),
+      faces_(std::move(faces)),
+      surface_(nodes_L, faces_),
       rest_gaps_mm_(surface_.point_count(), 0.0),
-      bone_rest_gaps_mm_(surface_.point_count(), 0.0),
-      history_(surface_.point_count(), options.penetration_tolerance_mm.has_value()),
+      is_zone_known_(surface_.point_count(), 0),
       clearance_(surface_.patches().size()) {
+  const auto& [penalty_mpa_per_mm, hardening_mpa_per_mm2, linear_beyond_mm] = options_.law;
   LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
-  LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.contact_snap_mm >= 0.0);
-  LEFORT_CHECK(options.penetration_tolerance_mm.value_or(1.0) > 0.0);
-  LEFORT_CHECK(options.contact_snap_mm < obstacle_.distance_query_B->max_distance_mm());
-  for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
-    for_each_point(patch, nodes_L, [&](const PointGap& at) {
-      const Gap to_bone = gap_to_bone(obstacle_, at.p_L, at.measured);
-      const bool is_on_other = is_closer_to_any(other_obstacles, at.p_L, to_bone.gap_mm);
-      const double snap_mm = is_on_other ? 0.0 : options.contact_snap_mm;
-      rest_gaps_mm_[at.number] = rest_gap_mm(at.measured, to_bone, snap_mm);
-      bone_rest_gaps_mm_[at.number] = bone_rest_gap_mm(to_bone, snap_mm);
-      rest_penetration_mm_ = std::max(rest_penetration_mm_, -to_bone.gap_mm);
-      history_.set_reference(at.number, contact_reference(obstacle_, at.p_L, at.measured));
-    });
+  LEFORT_CHECK(std::isfinite(penalty_mpa_per_mm) && penalty_mpa_per_mm >= 0.0);
+  LEFORT_CHECK(std::isfinite(hardening_mpa_per_mm2) && hardening_mpa_per_mm2 >= 0.0);
+  LEFORT_CHECK(hardening_mpa_per_mm2 == 0.0 || linear_beyond_mm > 0.0);
+  LEFORT_CHECK(penalty_mpa_per_mm + hardening_mpa_per_mm2 > 0.0);
+  LEFORT_CHECK(options_.contact_snap_mm >= 0.0);
+  LEFORT_CHECK(options_.contact_snap_mm < obstacle_.distance_query_B->max_distance_mm());
+  find_rest_gaps(nodes_L, other_obstacles);
+  find_dense_rest_gaps(nodes_L, other_obstacles);
   note_clearances(nodes_L);
+}
+
+void ContactTerm::find_rest_gaps(std::span<const Vec3> nodes_L,
+                                 std::span<const RigidObstacle> other_obstacles) {
+  std::vector<double> penetrations_mm(faces_.size(), 0.0);
+  parallel_for(Index(faces_.size()), [&](Index patch) {
+    for_each_point(std::size_t(patch), nodes_L, [&](const PointGap& at) {
+      rest_gaps_mm_[at.number] = rest_gaps(at.p_L, at.gap, other_obstacles).obstacle_mm;
+      is_zone_known_[at.number] = at.gap.zone != field::Zone::kUnknown;
+      double& deepest_mm = penetrations_mm[std::size_t(patch)];
+      deepest_mm = std::max(deepest_mm, -gap_to_bone(obstacle_, at.p_L, at.gap).gap_mm);
+    });
+  });
+  for (const double one_mm : penetrations_mm)
+    rest_penetration_mm_ = std::max(rest_penetration_mm_, one_mm);
+}
+
+ContactTerm::RestGaps ContactTerm::rest_gaps(const Vec3& p_L, const Gap& gap,
+                                             std::span<const RigidObstacle> other_obstacles) const {
+  const Gap to_bone = gap_to_bone(obstacle_, p_L, gap);
+  const bool is_on_other = std::abs(to_bone.gap_mm) <= options_.contact_snap_mm &&
+                           is_closer_to_any(other_obstacles, p_L, to_bone.gap_mm);
+  const double snap_mm = is_on_other ? 0.0 : options_.contact_snap_mm;
+  return {rest_gap_mm(gap, to_bone, snap_mm), bone_rest_gap_mm(to_bone, snap_mm)};
+}
+
+void ContactTerm::find_dense_rest_gaps(std::span<const Vec3> nodes_L,
+                                       std::span<const RigidObstacle> other_obstacles) {
+  dense_rest_gaps_.resize(faces_.size());
+  parallel_for(Index(faces_.size()), [&](Index n) {
+    const DenseFace face = dense_faces(std::span(faces_).subspan(std::size_t(n), 1), nodes_L)[0];
+    std::vector<RestGaps>& rest = dense_rest_gaps_[std::size_t(n)];
+    rest.reserve(face.points.size());
+    for (const DensePoint& point : face.points)
+      rest.push_back(rest_gaps(point.x_L, measure_gap(obstacle_, point.x_L, Derivatives::kFirst),
+                               other_obstacles));
+  });
 }
 
 template <class Function>
@@ -90,73 +124,20 @@ void ContactTerm::for_each_point(std::size_t patch, std::span<const Vec3> x_L,
   const PatchPositions x(of.span(), x_L);
   const FaceQuadrature& rule = face_quadrature(of.rule);
   const RuleGaps at(obstacle_, rule, x.span(), Derivatives::kFirst);
-  for (std::size_t q = 0; q < rule.points.size(); ++q) {
-    const std::size_t number = of.first_point + q;
-    f(PointGap{.number = number,
+  for (std::size_t q = 0; q < rule.points.size(); ++q)
+    f(PointGap{.number = of.first_point + q,
                .N = std::span(rule.points[q].N).first(of.count),
                .p_L = at.p_L[q],
-               .measured = at.gaps[q],
-               .acting = history_.acting_gap(number, obstacle_, at.p_L[q], at.gaps[q])});
-  }
-}
-
-double ContactTerm::pressure_at(const PointGap& at) const {
-  if (at.acting.zone != field::Zone::kBand) return 0.0;
-  return pressure_mpa(rest_gaps_mm_[at.number] - at.acting.gap_mm,
-                      history_.penalty(at.number, stiffness_mpa_per_mm_));
+               .gap = at.gaps[q]});
 }
 
 PointContact ContactTerm::contact_at(const PointGap& at) const {
-  const double gap_mm = std::min(at.acting.gap_mm, at.measured.gap_mm);
+  const double depth_mm = rest_gaps_mm_[at.number] - at.gap.gap_mm;
+  const bool is_in_band = at.gap.zone == field::Zone::kBand;
   return {.area_mm2 = surface_.area_mm2(at.number),
-          .pressure_mpa = pressure_at(at),
-          .gradient_L = at.acting.gradient_L,
-          .gap_mm = gap_mm,
-          .depth_mm = rest_gaps_mm_[at.number] - gap_mm,
-          .bone_depth_mm =
-              bone_depth_mm(obstacle_, at.p_L, at.measured, bone_rest_gaps_mm_[at.number])};
-}
-
-void ContactTerm::commit(std::span<const Vec3> x_L) {
-  history_.add_tunneled_area_mm2(
-      deterministic_sum(Index(surface_.patches().size()), 0.0, [&](Index item) {
-        double tunneled_mm2 = 0.0;
-        for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
-          if (history_.commit(at.number, obstacle_, at.p_L, at.measured))
-            tunneled_mm2 += surface_.area_mm2(at.number);
-        });
-        return tunneled_mm2;
-      }));
-  note_clearances(x_L);
-}
-
-void ContactTerm::rollback() { history_.rollback(); }
-
-void ContactTerm::begin_step() { history_.begin_step(); }
-
-Index ContactTerm::activate_tangent_planes(std::span<const Vec3> x_L) {
-  if (!history_.uses_tangent_planes()) return 0;
-  return deterministic_sum(Index(surface_.patches().size()), Index(0), [&](Index item) {
-    Index activated = 0;
-    for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
-      if (!history_.activate_tangent_plane(at.number, obstacle_, at.p_L, at.measured)) return;
-      clearance_.reset(std::size_t(item));
-      ++activated;
-    });
-    return activated;
-  });
-}
-
-void ContactTerm::update_multipliers(std::span<const Vec3> x_L) {
-  parallel_for(Index(surface_.patches().size()), [&](Index item) {
-    for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
-      const double depth_mm = rest_gaps_mm_[at.number] - at.acting.gap_mm;
-      const bool has_multiplier = history_.update_multiplier(
-          at.number, pressure_at(at), depth_mm, penetration_tolerance_mm_.value_or(0.0));
-      // A multiplier acts at gaps beyond the clearance, too.
-      if (has_multiplier) clearance_.reset(std::size_t(item));
-    });
-  });
+          .pressure_mpa = is_in_band ? pressure_mpa(depth_mm, options_.law) : 0.0,
+          .gradient_L = at.gap.gradient_L,
+          .depth_mm = depth_mm};
 }
 
 void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
@@ -166,42 +147,50 @@ void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
     double clearance_mm = max_distance_mm;
     for_each_point(patch, x_L, [&](const PointGap& at) {
       const bool has_distance =
-          at.measured.zone == field::Zone::kBand || at.measured.zone == field::Zone::kOutside;
+          at.gap.zone == field::Zone::kBand || at.gap.zone == field::Zone::kOutside;
       const double contact_gap_mm = std::max(rest_gaps_mm_[at.number], 0.0);
-      const bool may_be_clear = has_distance && history_.is_free(at.number);
-      clearance_mm =
-          std::min(clearance_mm, may_be_clear ? at.measured.gap_mm - contact_gap_mm : 0.0);
+      clearance_mm = std::min(clearance_mm, has_distance ? at.gap.gap_mm - contact_gap_mm : 0.0);
     });
     const PatchPositions x(surface_.patch(patch).span(), x_L);
     clearance_.record(patch, obstacle_, x.span(), clearance_mm);
   });
 }
 
-void ContactTerm::restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L) {
-  history_.restore(checkpoint);
-  commit(x_L);
-  history_.set_tunneled_area_mm2(checkpoint.tunneled_area_mm2);
-}
-
-std::optional<std::string> ContactTerm::rejection_reason(std::span<const Vec3> x_L) const {
-  const double tunneled_mm2 = newly_tunneled_area_mm2(x_L);
-  if (tunneled_mm2 == 0.0) return std::nullopt;
-  const double touching_mm2 = summarize(x_L).area_mm2;
-  if (tunneled_mm2 <= kMaxTunneledFraction * touching_mm2) return std::nullopt;
-  return fmt::format(
-      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunneled through {} in one increment",
-      tunneled_mm2, touching_mm2, name_);
-}
-
-double ContactTerm::newly_tunneled_area_mm2(std::span<const Vec3> x_L) const {
-  return deterministic_sum(Index(surface_.patches().size()), 0.0, [&](Index item) {
-    double tunneled_mm2 = 0.0;
-    for_each_point(std::size_t(item), x_L, [&](const PointGap& at) {
-      if (history_.has_tunneled(at.number, obstacle_, at.measured))
-        tunneled_mm2 += surface_.area_mm2(at.number);
-    });
-    return tunneled_mm2;
+double ContactTerm::passed_fraction(const RigidTransform& from_X_LB, std::span<const Vec3> from_L,
+                                    std::span<const Vec3> to_L) const {
+  const RigidObstacle at_origin{.distance_query_B = obstacle_.distance_query_B};
+  const RigidTransform X_BL = obstacle_.X_LB.inverse(), from_X_BL = from_X_LB.inverse();
+  std::vector<double> touching_mm2(faces_.size(), 0.0), passed_mm2(faces_.size(), 0.0);
+  parallel_for(Index(faces_.size()), [&](Index n) {
+    const ContactPatch& patch = surface_.patch(std::size_t(n));
+    const PatchPositions from(patch.span(), from_L), to(patch.span(), to_L);
+    const auto& points = face_quadrature(patch.rule).points;
+    for (std::size_t q = 0; q < points.size(); ++q) {
+      const double area_mm2 = surface_.area_mm2(patch.first_point + q);
+      const Vec3 end_B = X_BL * interpolate(points[q], to.span());
+      const Vec3 start_B = from_X_BL * interpolate(points[q], from.span());
+      if (measure_gap(at_origin, end_B, Derivatives::kFirst).gap_mm >= 0.0) continue;
+      touching_mm2[std::size_t(n)] += area_mm2;
+      if (allowed_fraction(at_origin, start_B, end_B - start_B) < 1.0)
+        passed_mm2[std::size_t(n)] += area_mm2;
+    }
   });
+  const double touching = std::accumulate(touching_mm2.begin(), touching_mm2.end(), 0.0);
+  return touching > 0.0 ? std::accumulate(passed_mm2.begin(), passed_mm2.end(), 0.0) / touching
+                        : 0.0;
+}
+
+std::optional<std::string> ContactTerm::rejection_reason(const RigidTransform& from_X_LB,
+                                                         std::span<const Vec3> from_L,
+                                                         std::span<const Vec3> to_L) const {
+  if (const auto at_L = find_passage(obstacle_, faces_, from_X_LB, from_L, to_L))
+    return fmt::format(
+        "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, passed through {} in one increment", at_L->x(),
+        at_L->y(), at_L->z(), options_.name);
+  const double fraction = passed_fraction(from_X_LB, from_L, to_L);
+  if (fraction <= kMaxPassedFraction) return std::nullopt;
+  return fmt::format("{:.1f} % of the tissue in {} passed through thin bone in one increment",
+                     100.0 * fraction, options_.name);
 }
 
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
@@ -210,28 +199,25 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   const FaceQuadrature& rule = face_quadrature(patch.rule);
   if (clearance_.is_out_of_range(std::size_t(item), obstacle_, x_L, rule.displacement_bound))
     return true;
+  const bool is_projected = local.wants_stiffness() && local.tangent != fem::Tangent::kExact;
   const RuleGaps measured(obstacle_, rule, x_L,
                           local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
     const std::size_t number = patch.first_point + q;
-    const field::Zone zone = measured.gaps[q].zone;
-    if (zone == field::Zone::kInside) return false;
-    if (zone == field::Zone::kUnknown && history_.is_side_known(number)) return false;
-
-    const Gap gap = history_.acting_gap(number, obstacle_, measured.p_L[q], measured.gaps[q]);
-    const double area_mm2 = surface_.area_mm2(number);
+    const Gap& gap = measured.gaps[q];
+    if (gap.zone == field::Zone::kInside) return false;
+    if (gap.zone == field::Zone::kUnknown && is_zone_known_[number]) return false;
     const double depth_mm = rest_gaps_mm_[number] - gap.gap_mm;
-    const PenaltyParameters penalty = history_.penalty(number, stiffness_mpa_per_mm_);
-    const PenaltyResponse response =
-        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, penalty);
-    local.energy_mj += area_mm2 * response.energy_mj_per_mm2;
-    if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, penalty) > 0.0)) continue;
+    if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
+    const double area_mm2 = surface_.area_mm2(number);
+    const PenaltyResponse response =
+        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, options_.law);
+    local.energy_mj += area_mm2 * response.energy_mj_per_mm2;
     ++local.contacts;
     local.deepest_mm = std::max(local.deepest_mm, depth_mm);
-    const bool is_projected = local.wants_stiffness() && local.tangent != fem::Tangent::kExact;
     const Mat3 hessian_mpa_per_mm =
-        is_projected ? psd_projected_hessian(depth_mm, gap.gradient_L, gap.hessian_L, penalty)
+        is_projected ? psd_projected_hessian(depth_mm, gap.gradient_L, gap.hessian_L, options_.law)
                      : response.hessian_mpa_per_mm;
     add_point(area_mm2, std::span(rule.points[q].N).first(x_L.size()), response, hessian_mpa_per_mm,
               local);
@@ -243,27 +229,70 @@ std::string ContactTerm::inadmissible_cause() const {
   return fmt::format(
       "tissue lies deeper in {} than its distance field reaches, {:.2f} mm "
       "(field.band_mm)",
-      name_, obstacle_.distance_query_B->max_distance_mm());
+      options_.name, obstacle_.distance_query_B->max_distance_mm());
+}
+
+bool ContactTerm::may_touch(const DenseFace& face, std::span<const RestGaps> rest) const {
+  const Vec3& first_L = face.points.front().x_L;
+  double radius_mm = 0.0, max_rest_mm = rest.front().obstacle_mm;
+  for (const DensePoint& point : face.points)
+    radius_mm = std::max(radius_mm, (point.x_L - first_L).norm());
+  for (const RestGaps& one : rest) max_rest_mm = std::max(max_rest_mm, one.obstacle_mm);
+  const double gap_mm = measure_gap(obstacle_, first_L, Derivatives::kFirst).gap_mm;
+  return gap_mm - kMaxGapSlope * radius_mm <= max_rest_mm;
+}
+
+std::vector<DepthSample> ContactTerm::depths_of_face(std::size_t face,
+                                                     std::span<const Vec3> x_L) const {
+  std::vector<DepthSample> depths;
+  const DenseFace dense = dense_faces(std::span(faces_).subspan(face, 1), x_L)[0];
+  if (!may_touch(dense, dense_rest_gaps_[face])) return depths;
+  double area_mm2 = 0.0;  // Of the reference surface.
+  for (std::size_t q = 0; q < face_quadrature(surface_.patch(face).rule).points.size(); ++q)
+    area_mm2 += surface_.area_mm2(surface_.patch(face).first_point + q);
+  for (std::size_t n = 0; n < dense.points.size(); ++n) {
+    const Vec3& p_L = dense.points[n].x_L;
+    const Gap gap = measure_gap(obstacle_, p_L, Derivatives::kFirst);
+    const RestGaps& rest = dense_rest_gaps_[face][n];
+    const double depth_mm = rest.obstacle_mm - gap.gap_mm;
+    const bool has_depth = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kInside;
+    if (!has_depth || !(depth_mm > 0.0)) continue;
+    depths.push_back({.area_mm2 = area_mm2 / double(dense.points.size()),
+                      .gap_mm = gap.gap_mm,
+                      .depth_mm = depth_mm,
+                      .bone_depth_mm = bone_depth_mm(obstacle_, p_L, gap, rest.bone_mm)});
+  }
+  return depths;
 }
 
 ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
+  std::vector<std::vector<DepthSample>> depths(faces_.size());
+  std::vector<std::vector<PointContact>> points(faces_.size());
+  parallel_for(Index(faces_.size()), [&](Index n) {
+    const auto face = std::size_t(n);
+    depths[face] = depths_of_face(face, x_L);
+    if (!depths[face].empty())
+      for_each_point(face, x_L,
+                     [&](const PointGap& at) { points[face].push_back(contact_at(at)); });
+  });
   ContactStatisticsSum sum;
-  for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
-    for_each_point(patch, x_L, [&](const PointGap& at) {
-      sum.add(contact_at(at), surface_.patch(patch).span());
-    });
-  return std::move(sum).finish(history_.tunneled_area_mm2());
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
+    for (const PointContact& point : points[face]) sum.add(point, surface_.patch(face).span());
+    for (const DepthSample& sample : depths[face]) sum.add(sample);
+  }
+  return std::move(sum).finish();
 }
 
 std::vector<ContactPoint> ContactTerm::contact_points(std::span<const Vec3> x_L) const {
   std::vector<ContactPoint> points;
   for (std::size_t patch = 0; patch < surface_.patches().size(); ++patch)
     for_each_point(patch, x_L, [&](const PointGap& at) {
-      const Vec3 traction_mpa = pressure_at(at) * at.acting.gradient_L;
+      const PointContact contact = contact_at(at);
+      const Vec3 traction_mpa = contact.pressure_mpa * contact.gradient_L;
       if (traction_mpa.isZero(0.0)) return;
       points.push_back({.x_L = at.p_L,
                         .pressure_mpa = traction_mpa.norm(),
-                        .force_n = surface_.area_mm2(at.number) * traction_mpa});
+                        .force_n = contact.area_mm2 * traction_mpa});
     });
   return points;
 }

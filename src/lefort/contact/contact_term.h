@@ -1,27 +1,24 @@
 /// \file
 /// Frictionless contact of deformable tissue with one rigid bone, as a force term of the solver.
 ///
-/// The contact potential (\cite lefort-paper; penalty.h) is integrated over the faces of the
-/// tissue. With the nodal positions x_a, the quadrature points q_n = sum_a N_a(n) x_a, the
-/// reference areas A_n, and the signed distance g of the bone:
+/// The contact potential (penalty.h) is integrated over the faces of the tissue. With the nodal
+/// positions x_a, the quadrature points q_n = sum_a N_a(n) x_a, the reference areas A_n, and the
+/// signed distance g of the bone:
 ///
-///   g_n   = g(q_n)                                     gap; negative inside the bone
-///   d_n   = g_0n - g_n                                 penetration increase; g_0n: rest gap
-///   p_n   = max(lambda_n + 2 s_n k_c d_n, 0)           contact pressure
-///   phi_n = (p_n^2 - lambda_n^2) / (4 s_n k_c)         potential; s_n k_c d_n^2 if lambda_n = 0
+///   g_n   = g(q_n)                     gap; negative inside the bone
+///   d_n   = g_0n - g_n                 penetration increase; g_0n: rest gap (rest_gap.h)
 ///
-///   W     = sum_n A_n phi_n
-///   r_a   = dW / dx_a       = - sum_n A_n N_a p_n grad g
-///   K_ab  = d2W / dx_a dx_b =   sum_n A_n N_a N_b (2 s_n k_c grad g (x) grad g - p_n Hess g)
+///   W     = sum_n A_n phi(d_n)
+///   r_a   = dW / dx_a       = - sum_n A_n N_a p(d_n) grad g
+///   K_ab  = d2W / dx_a dx_b =   sum_n A_n N_a N_b (p'(d_n) grad g (x) grad g - p(d_n) Hess g)
 ///
-/// where the sum of K is over the points with p_n > 0 only; lambda_n >= 0 is the multiplier and
-/// s_n >= 1 the penalty scale of the point.
+/// where the sums of r and K are over the points with d_n > 0.
 #pragma once
 
 #include <lefort/contact/contact_clearance.h>
-#include <lefort/contact/contact_history.h>
 #include <lefort/contact/contact_statistics.h>
 #include <lefort/contact/contact_surface.h>
+#include <lefort/contact/dense_faces.h>
 #include <lefort/contact/measure_gap.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/contact/rigid_obstacle.h>
@@ -37,43 +34,17 @@
 
 namespace lefort::contact {
 
-/// Faces of the inner surface of the tissue, of any shape, in contact with one bone.
-///
-/// **Rest gap.** Contact depends on the change from a rest gap (rest_gap.h).
-///
-/// **Thin bone.** The closest surface may lie on the far side of thin bone (thin_bone_contact.h).
-/// If a penetration tolerance is set, a point that has crossed the medial surface is constrained by
-/// the tangent plane of its contact reference. Planes change between solves only, so that
-/// each solve has a potential. Without a tolerance there are no planes: the penalty is so soft that
-/// tissue often lies beyond the medial surface, and with planes the result would depend on the
-/// increments.
-///
-/// **States.** Each point has a present and an accepted state (contact_history.h). None of the
-/// functions that change them may be called while the term is being evaluated.
-///
-///     accepted --- begin_step() ---> present --- solve ---> equilibrium
-///        ^                            |   ^                  |       |
-///        |<------- rollback() --------'   |                  |       | rejection_reason()
-///        |<------- commit() ------------- | -----------------'       v
-///        |                                |                       rejected
-///        '----- update_multipliers(), ----'
-///               activate_tangent_planes()
-///
-/// solve_augmented_lagrangian() is this loop.
+/// Faces of the inner surface of the tissue, of any shape, in contact with one bone. The term has
+/// no history: energy and forces are functions of the positions of the nodes and of the pose.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
-    std::string name = "the bone";      ///< Of the obstacle, for messages.
-    double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
+    std::string name = "the bone";  ///< Of the obstacle, for messages.
+    PressureLaw law;
     /// Contact snap distance: a point whose gap in the reference configuration is at most this in
     /// magnitude touches the bone there; >= 0, less than the range of the distance query.
     double contact_snap_mm = 0.0;
-    Integration integration = Integration::kQuadrature;
-    /// Max P99 of the penetration increase, > 0 [mm], reached by multipliers
-    /// (solve_augmented_lagrangian.h). Empty: penalty only.
-    std::optional<double> penetration_tolerance_mm = std::nullopt;
   };
-  using Checkpoint = ContactCheckpoint;
 
   /// \param nodes_L          all nodes in the reference configuration [mm].
   /// \param faces            counter-clockwise seen from outside the tissue.
@@ -89,6 +60,11 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param X_LB  pose of the bone in the frame of the patient.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
 
+  /// Notes which faces are far from the bone. While they have moved little since, evaluate() skips
+  /// them. Does not change any result. Not while the term is being evaluated.
+  /// \param x_L  current positions of all nodes [mm]; the bone is at its present pose.
+  void note_clearances(std::span<const Vec3> x_L);
+
   [[nodiscard]] Index item_count() const override { return Index(surface_.patches().size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return surface_.patch(std::size_t(item)).span();
@@ -98,64 +74,28 @@ class ContactTerm final : public fem::ForceTerm {
     return obstacle_.distance_query_B->has_exact_derivatives();
   }
   /// \returns false if a point lies deeper than the range of the distance query, or if its zone is
-  ///   unknown (near a hole of the surface) but was known in the last accepted state.
+  ///   unknown (near a hole of the surface) but was known in the reference configuration.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
   [[nodiscard]] std::string inadmissible_cause() const override;
 
-  /// Accepts the present state at the present pose and adds the area that has tunneled since the
-  /// last accepted state to ContactStatistics::tunneled_area_mm2.
-  /// \param x_L  current positions of all nodes [mm].
-  void commit(std::span<const Vec3> x_L);
-
-  /// Returns to the last accepted state.
-  void rollback();
-
-  /// Starts an increment from the last accepted state; tangent planes of points that had returned
-  /// in that state (thin_bone_contact.h) are released.
-  void begin_step();
-
-  /// Activates the tangent planes of points that have crossed the medial surface at `x_L`
-  /// (has_crossed_medial_surface()). Does nothing without a penetration tolerance.
-  /// \param x_L  current positions of all nodes [mm].
-  /// \returns the number of newly constrained points.
-  Index activate_tangent_planes(std::span<const Vec3> x_L);
-
-  /// Sets each multiplier to the pressure of its point at a converged state, and raises the penalty
-  /// scale of points whose depth decreases too slowly (ContactHistory::update_multiplier).
-  /// \param x_L  current positions of all nodes [mm].
-  void update_multipliers(std::span<const Vec3> x_L);
-
-  /// ContactTerm::Options::penetration_tolerance_mm.
-  [[nodiscard]] std::optional<double> penetration_tolerance_mm() const {
-    return penetration_tolerance_mm_;
-  }
-
-  /// \returns the last accepted state.
-  [[nodiscard]] Checkpoint checkpoint() const { return history_.checkpoint(); }
-
-  /// Sets the term to the state it had after commit(x_L) at its present pose.
-  /// \param checkpoint  \pre of a term with the same constructor arguments.
-  /// \param x_L         current positions of all nodes [mm].
-  void restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L);
-
-  /// \param x_L  current positions of all nodes [mm].
-  /// \returns the reference area that has tunneled since the last accepted state [mm^2].
-  [[nodiscard]] double newly_tunneled_area_mm2(std::span<const Vec3> x_L) const;
-
-  /// If the bone has jumped through the tissue, the tissue is in equilibrium on the wrong side of
-  /// the bone. An increment in which too much of the contact area has tunneled is therefore
-  /// rejected. Small areas are accepted and reported: they tunnel over thin edges even in the
-  /// smallest increments.
-  /// \param x_L  current positions of all nodes [mm].
-  /// \returns why a converged state is rejected; nothing if it is accepted.
-  [[nodiscard]] std::optional<std::string> rejection_reason(std::span<const Vec3> x_L) const;
+  /// \param from_X_LB  pose of the bone in the last equilibrium.
+  /// \param from_L     positions of all nodes in the last equilibrium [mm].
+  /// \param to_L       positions of all nodes in the present one [mm].
+  /// \returns why the present equilibrium is rejected: the bone passed through a face
+  ///   (bone_passage.h), or more than 2 % of the tissue in the bone has passed through thin bone
+  ///   (step_bound.h); nothing otherwise.
+  [[nodiscard]] std::optional<std::string> rejection_reason(const RigidTransform& from_X_LB,
+                                                            std::span<const Vec3> from_L,
+                                                            std::span<const Vec3> to_L) const;
 
   /// \returns the max penetration of the points into the bone in the reference configuration [mm];
   ///   0 if none.
   [[nodiscard]] double rest_penetration_mm() const { return rest_penetration_mm_; }
 
+  /// Forces are those of the quadrature points. Depths are those of dense samples of the faces
+  /// (dense_faces.h) where the penetration increase is positive.
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactStatistics summarize(std::span<const Vec3> x_L) const;
 
@@ -173,8 +113,12 @@ class ContactTerm final : public fem::ForceTerm {
     std::size_t number = 0;  ///< Among the points of all patches.
     std::span<const double> N;
     Vec3 p_L;
-    Gap measured;  ///< To the closest surface.
-    Gap acting;    ///< To the constraint: the closest surface or the tangent plane.
+    Gap gap;
+  };
+
+  /// Rest gaps of a sample of a face, to the obstacle and to the bone itself.
+  struct RestGaps {
+    double obstacle_mm = 0.0, bone_mm = 0.0;
   };
 
   /// Calls f(const PointGap&) for every point of a patch.
@@ -182,19 +126,30 @@ class ContactTerm final : public fem::ForceTerm {
   template <class Function>
   void for_each_point(std::size_t patch, std::span<const Vec3> x_L, const Function& f) const;
 
-  [[nodiscard]] double pressure_at(const PointGap& at) const;
+  [[nodiscard]] RestGaps rest_gaps(const Vec3& p_L, const Gap& gap,
+                                   std::span<const RigidObstacle> other_obstacles) const;
+  void find_rest_gaps(std::span<const Vec3> nodes_L,
+                      std::span<const RigidObstacle> other_obstacles);
+  void find_dense_rest_gaps(std::span<const Vec3> nodes_L,
+                            std::span<const RigidObstacle> other_obstacles);
+  /// \returns the fraction of the tissue in the bone whose points passed through thin bone.
+  [[nodiscard]] double passed_fraction(const RigidTransform& from_X_LB,
+                                       std::span<const Vec3> from_L,
+                                       std::span<const Vec3> to_L) const;
+  /// \returns false if no sample of the face can be in contact.
+  [[nodiscard]] bool may_touch(const DenseFace& face, std::span<const RestGaps> rest) const;
   [[nodiscard]] PointContact contact_at(const PointGap& at) const;
-  void note_clearances(std::span<const Vec3> x_L);
+  [[nodiscard]] std::vector<DepthSample> depths_of_face(std::size_t face,
+                                                        std::span<const Vec3> x_L) const;
 
-  std::string name_;
+  Options options_;
   RigidObstacle obstacle_;
-  double stiffness_mpa_per_mm_;
-  std::optional<double> penetration_tolerance_mm_;
-  ContactSurface surface_;
-  std::vector<double> rest_gaps_mm_;       ///< g_0 of each point.
-  std::vector<double> bone_rest_gaps_mm_;  ///< The same to the bone itself.
+  std::vector<mesh::Face> faces_;
+  ContactSurface surface_;                   ///< One patch per face.
+  std::vector<double> rest_gaps_mm_;         ///< g_0 of each point.
+  std::vector<std::uint8_t> is_zone_known_;  ///< Of each point, in the reference configuration.
+  std::vector<std::vector<RestGaps>> dense_rest_gaps_;  ///< Of the samples of each face.
   double rest_penetration_mm_ = 0.0;
-  ContactHistory history_;
   ContactClearance clearance_;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/elements/quadrature_point.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <array>
@@ -22,6 +23,20 @@ struct QuadraturePoint {
   Eigen::Matrix<double, 2, kMaxFaceNodes> dN_dxi = Eigen::Matrix<double, 2, kMaxFaceNodes>::Zero();
 };
 
+/// \param known  points of fem/elements/quadrature_rules.h.
+/// \returns the points with the shape functions of `Shape`.
+template <class Shape, class Rule>
+[[nodiscard]] std::vector<QuadraturePoint> quadrature_points(const Rule& known) {
+  std::vector<QuadraturePoint> points;
+  for (const auto& at : fem::at_points<Shape>(known)) {
+    QuadraturePoint& point = points.emplace_back();
+    point.weight = at.weight;
+    for (int a = 0; a < Shape::kNodes; ++a) point.N[std::size_t(a)] = at.N[a];
+    point.dN_dxi.template leftCols<Shape::kNodes>() = at.dN_dxi;
+  }
+  return points;
+}
+
 /// Quadrature rule of one face shape.
 struct FaceQuadrature {
   std::vector<QuadraturePoint> points;
@@ -30,18 +45,10 @@ struct FaceQuadrature {
 };
 
 /// Max number of points of a rule.
-inline constexpr std::size_t kMaxPoints = 9;
+inline constexpr std::size_t kMaxPoints = 12;
 
-/// Number of the rule of a single node.
-inline constexpr std::uint8_t kNodeRule = 4;
-
-/// \param number  of a mesh::FaceShape, or kNodeRule.
+/// \param number  of a mesh::FaceShape.
 [[nodiscard]] const FaceQuadrature& face_quadrature(std::size_t number);
-
-/// Fraction of the area of a face that is lumped at its a-th node. A face with mid-edge nodes is
-/// divided into triangles (face_division()). All fractions are positive, and the sum of the lumped
-/// forces is exact for a pressure that varies linearly.
-[[nodiscard]] double lumped_weight(mesh::FaceShape shape, std::size_t a);
 
 /// \param x_L  nodes of the face [mm].
 /// \returns the position of a point of the face.

@@ -11,6 +11,9 @@
 
 namespace lefort::contact {
 
+/// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
+inline constexpr double kMaxGapSlope = 1.1;
+
 /// A SignedDistanceSample in the frame of the patient. The table of zones there applies.
 struct Gap {
   field::Zone zone = field::Zone::kOutside;

@@ -12,7 +12,7 @@
 ///   dr_a/dq = w x r_a - sum_b K_ab v(x_b)
 ///
 /// It needs the force and the exact tangent of the item only, and holds for every item whose state
-/// (multipliers, tangent planes, rest gaps) is stored in the frame of the bone.
+/// (rest gaps) is stored in the frame of the bone.
 #pragma once
 
 #include <lefort/core/types.h>

@@ -1,5 +1,5 @@
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/solve_active_set.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 
 #include <algorithm>
 #include <utility>

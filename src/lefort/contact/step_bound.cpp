@@ -7,8 +7,6 @@
 namespace lefort::contact {
 namespace {
 
-/// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
-constexpr double kMaxSlope = 1.1;
 constexpr double kCosMaxTurn = -0.5;
 constexpr double kMinStep = 0.5;  ///< Of the resolution.
 constexpr int kMinSteps = 4;      ///< In a line that is checked.
@@ -18,7 +16,7 @@ constexpr int kMinSteps = 4;      ///< In a line that is checked.
 double allowed_fraction(const RigidObstacle& obstacle, const Vec3& from_L, const Vec3& step_L) {
   const double length_mm = step_L.norm();
   const Gap start = measure_gap(obstacle, from_L, Derivatives::kFirst);
-  if (!(length_mm > 0.0) || start.gap_mm > kMaxSlope * length_mm) return 1.0;
+  if (!(length_mm > 0.0) || start.gap_mm > kMaxGapSlope * length_mm) return 1.0;
   const double min_step_mm =
       std::min(kMinStep * obstacle.distance_query_B->resolution_mm(), length_mm / kMinSteps);
   std::optional<Vec3> entered_L;
@@ -35,7 +33,7 @@ double allowed_fraction(const RigidObstacle& obstacle, const Vec3& from_L, const
     }
     if (along_mm >= length_mm) return 1.0;
     last_mm = along_mm;
-    const double step_mm = is_inside ? min_step_mm : gap.gap_mm / kMaxSlope;
+    const double step_mm = is_inside ? min_step_mm : gap.gap_mm / kMaxGapSlope;
     along_mm = std::min(along_mm + std::max(step_mm, min_step_mm), length_mm);
   }
 }

@@ -35,14 +35,17 @@ void WeightedContactTerm::add_faces(std::span<const Vec3> x_L,
       }
       if (!(p_mpa > 0.0)) continue;
       const auto [gap, bone] = closest_gap(obstacles_, point.x_L);
+      const double depth_mm = std::max(rest_gap_mm - gap.gap_mm, 0.0);
+      sums[bone].add({.area_mm2 = fraction * area_mm2,
+                      .pressure_mpa = p_mpa,
+                      .gradient_L = gap.gradient_L,
+                      .depth_mm = depth_mm},
+                     nodes);
       sums[bone].add(
           {.area_mm2 = fraction * area_mm2,
-           .pressure_mpa = p_mpa,
-           .gradient_L = gap.gradient_L,
            .gap_mm = gap.gap_mm,
-           .depth_mm = std::max(rest_gap_mm - gap.gap_mm, 0.0),
-           .bone_depth_mm = bone_depth_mm(obstacles_[bone], point.x_L, gap, bone_rest_gap_mm)},
-          nodes);
+           .depth_mm = depth_mm,
+           .bone_depth_mm = bone_depth_mm(obstacles_[bone], point.x_L, gap, bone_rest_gap_mm)});
     }
   }
 }
@@ -52,7 +55,7 @@ std::vector<ContactStatistics> WeightedContactTerm::summarize(std::span<const Ve
   add_faces(x_L, sums);
   std::vector<ContactStatistics> all;
   for (ContactStatisticsSum& sum : sums) {
-    all.push_back(std::move(sum).finish(0.0));
+    all.push_back(std::move(sum).finish());
     all.back().force_L_n.setZero();
     all.back().normal_force_n = 0.0;
   }

@@ -42,9 +42,6 @@ struct ClosestGaps {
   }
 };
 
-/// Bound of the length of the gradient of a sampled distance; that of the distance is 1.
-constexpr double kMaxGapSlope = 1.1;
-
 /// Largest depth of a sharp point, as a fraction of the radius of a node patch. In one increment a
 /// bone must not move further.
 constexpr double kMaxDepthFactor = 0.5;

@@ -64,11 +64,20 @@ std::array<double, 4> dual_of_square(const std::array<double, kMaxFaceNodes>& N)
           4.0 * N[2] - 2.0 * N[3] + N[0] - 2.0 * N[1], 4.0 * N[3] - 2.0 * N[0] + N[1] - 2.0 * N[2]};
 }
 
-/// Linear faces: the points of face_quadrature().
+template <class Shape>
+std::vector<QuadraturePoint> linear_points() {
+  if constexpr (Shape::kNodes == 3)
+    return quadrature_points<Shape>(fem::triangle_6());
+  else
+    return face_quadrature(std::size_t(Shape::kShape)).points;
+}
+
+/// Linear faces: six points in a triangle, of degree 4 (\cite dunavant1985); in a quadrilateral the
+/// points of face_quadrature().
 template <class Shape>
 std::vector<WeightedPoint> linear_rule() {
   std::vector<WeightedPoint> rule;
-  for (const QuadraturePoint& at : face_quadrature(std::size_t(Shape::kShape)).points) {
+  for (const QuadraturePoint& at : linear_points<Shape>()) {
     WeightedPoint& point = rule.emplace_back();
     point.at = at;
     if constexpr (Shape::kNodes == 3) {

@@ -1,4 +1,4 @@
-#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/contact/contact_surface.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/fem/assembly/dof_map.h>
@@ -73,21 +73,17 @@ Result<std::unique_ptr<FaceBody>> FaceBody::create(const FaceModel& model,
   LEFORT_TRY(body->elements_, fem::make_element_terms(model.tissue, body->materials_));
   LEFORT_TRY_VOID(body->add_contacts(distance_queries_B, progress));
   LEFORT_TRY_VOID(body->make_assembler());
-  body->rest_checkpoints_ = body->checkpoints();
   return body;
 }
 
 Result<void> FaceBody::add_contacts(const DistanceQueries& distance_queries_B, Progress& progress) {
   const mesh::VolumeMesh& tissue = model_.tissue;
-  const bool is_sliding = options_.boundary.interface != TissueInterface::kBonded ||
-                          !nodes_painted(tissue, BoundaryLabel::kContact).empty() ||
-                          !nodes_painted(tissue, BoundaryLabel::kElevated).empty();
+  const bool is_sliding = slides_on_segments(tissue, options_.boundary.interface);
   const auto stationary_faces = tissue.face_sets.find(sets::kStationaryContact);
   const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
   const bool needs_stationary = slides_on_stationary || slides_on_stationary_bone(model_.interface);
   if (is_sliding || slides_on_stationary)
-    stiffness_mpa_per_mm_ =
-        predict::contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
+    stiffness_mpa_per_mm_ = contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm;
   std::vector<contact::RigidObstacle> bones;  // At rest: segments, then stationary bone if needed.
   for (std::size_t k = 0; k < distance_queries_B.size(); ++k) {
     LEFORT_TRY(auto bone_B, replaced_bone_query(model_.segments[k]));
@@ -160,10 +156,8 @@ void FaceBody::add_contact(const std::vector<contact::RigidObstacle>& bones, std
                        faces,
                        bones[bone],
                        {.name = name,
-                        .stiffness_mpa_per_mm = stiffness_mpa_per_mm_,
-                        .contact_snap_mm = options_.boundary.contact_snap_mm,
-                        .integration = options_.contact.integration,
-                        .penetration_tolerance_mm = options_.contact.penetration_tolerance_mm},
+                        .law = contact_law(options_.contact, options_.tissue),
+                        .contact_snap_mm = options_.boundary.contact_snap_mm},
                        other_obstacles});
 }
 
@@ -188,8 +182,8 @@ Result<void> FaceBody::make_assembler() {
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
   if (model_.lips.is_separated())
-    terms.push_back(&lips_.emplace(model_.lips.pairs, predict::contact_stiffness_mpa_per_mm(
-                                                          options_.tissue, options_.contact)));
+    terms.push_back(&lips_.emplace(
+        model_.lips.pairs, contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
                                                   prescribed_at(std::vector<RigidTransform>(
                                                       names_.size(), RigidTransform::Identity()))));
@@ -222,11 +216,28 @@ fem::NewtonOutcome FaceBody::solve(const FaceEquilibrium& last,
   const auto solve = [&](const VectorX& from, int max_iterations) {
     return solve_from(X_LB, from, max_iterations, linear_solver, progress, on_iterate);
   };
-  if (!weighted_.any())
-    return contact::solve_augmented_lagrangian(
-        contacts_, model_.tissue.nodes_L, start,
-        [&](const VectorX& from) { return solve(from, options_.solver.max_iterations); });
+  if (!weighted_.any()) return solve_with_quadrature(last, start, solve);
   return weighted_.solve(last.X_LB, last.u, X_LB, start, options_.solver.max_iterations, solve);
+}
+
+fem::NewtonOutcome FaceBody::solve_with_quadrature(
+    const FaceEquilibrium& last, const VectorX& start,
+    const std::function<fem::NewtonOutcome(const VectorX& from, int max_iterations)>& solve) {
+  fem::NewtonOutcome outcome = solve(start, options_.solver.max_iterations);
+  if (!outcome.converged()) return outcome;
+  const std::vector<Vec3> from_L = contact::displaced(model_.tissue.nodes_L, last.u);
+  const std::vector<Vec3> to_L = contact::displaced(model_.tissue.nodes_L, outcome.x);
+  for (std::size_t k = 0; k < contacts_.size() && outcome.converged(); ++k) {
+    const RigidTransform from_X_LB =
+        k < segment_contact_count_ ? last.X_LB[k] : RigidTransform::Identity();
+    if (auto why = contacts_[k].rejection_reason(from_X_LB, from_L, to_L)) {
+      outcome.stop = fem::NewtonStop::kRejected;
+      outcome.reason = *std::move(why);
+    }
+  }
+  if (outcome.converged())
+    for (contact::ContactTerm& contact : contacts_) contact.note_clearances(to_L);
+  return outcome;
 }
 
 fem::NewtonOutcome FaceBody::solve_from(const std::vector<RigidTransform>& X_LB,
@@ -247,20 +258,6 @@ fem::NewtonOutcome FaceBody::solve_from(const std::vector<RigidTransform>& X_LB,
     };
   return fem::find_equilibrium(*assembler_, prescribed_at(X_LB), start, linear_solver, newton,
                                progress);
-}
-
-std::vector<contact::ContactTerm::Checkpoint> FaceBody::checkpoints() const {
-  std::vector<contact::ContactTerm::Checkpoint> all;
-  for (const contact::ContactTerm& contact : contacts_) all.push_back(contact.checkpoint());
-  return all;
-}
-
-void FaceBody::restore(const FaceEquilibrium& at,
-                       const std::vector<contact::ContactTerm::Checkpoint>& checkpoints) {
-  LEFORT_CHECK(checkpoints.size() == contacts_.size());
-  set_poses(at.X_LB);
-  const std::vector<Vec3> x_L = contact::displaced(model_.tissue.nodes_L, at.u);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) contacts_[k].restore(checkpoints[k], x_L);
 }
 
 void FaceBody::summarize(const FaceEquilibrium& at, PredictionStep& step) const {

@@ -58,7 +58,7 @@ class FaceBody {
   /// \param X_LB  pose of each segment.
   void set_poses(std::span<const RigidTransform> X_LB);
 
-  /// Finds the equilibrium at `X_LB`. The contacts are then in its accepted state.
+  /// Finds the equilibrium at `X_LB`.
   ///
   /// \param last           the last equilibrium.
   /// \param X_LB           pose of each segment.
@@ -70,20 +70,6 @@ class FaceBody {
                                          const std::vector<RigidTransform>& X_LB,
                                          const VectorX& start, linear::LinearSolver& linear_solver,
                                          Progress& progress, const OnBodyIterate& on_iterate = {});
-
-  /// \returns the accepted states of the contacts; empty with weighted gaps.
-  [[nodiscard]] std::vector<contact::ContactTerm::Checkpoint> checkpoints() const;
-
-  /// \returns the accepted states of the contacts in the reference configuration.
-  [[nodiscard]] const std::vector<contact::ContactTerm::Checkpoint>& rest_checkpoints() const {
-    return rest_checkpoints_;
-  }
-
-  /// Sets poses and contacts to those of an equilibrium of this body, or of another with the same
-  /// arguments.
-  /// \param checkpoints  of checkpoints(), at that equilibrium.
-  void restore(const FaceEquilibrium& at,
-               const std::vector<contact::ContactTerm::Checkpoint>& checkpoints);
 
   /// Sets poses, contacts, supports, displacements and min_J of `step`.
   /// \param at  the present equilibrium.
@@ -130,6 +116,10 @@ class FaceBody {
   void note_rest_penetration(double inside_mm, const std::string& bone, Progress& progress);
   void add_supports(const std::vector<contact::RigidObstacle>& bones);
   [[nodiscard]] Result<void> make_assembler();
+  /// Solves with contact by quadrature; rejects an equilibrium after a passage (bone_passage.h).
+  [[nodiscard]] fem::NewtonOutcome solve_with_quadrature(
+      const FaceEquilibrium& last, const VectorX& start,
+      const std::function<fem::NewtonOutcome(const VectorX& from, int max_iterations)>& solve);
   [[nodiscard]] fem::NewtonOutcome solve_from(const std::vector<RigidTransform>& X_LB,
                                               const VectorX& start, int max_iterations,
                                               linear::LinearSolver& linear_solver,
@@ -151,7 +141,6 @@ class FaceBody {
   std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
   std::optional<LipContact> lips_;                         ///< If they are separated.
   std::optional<fem::Assembler> assembler_;
-  std::vector<contact::ContactTerm::Checkpoint> rest_checkpoints_;
   double stiffness_mpa_per_mm_ = 0.0;  ///< k_c; 0 without contact.
   double rest_penetration_mm_ = 0.0;   ///< Of the tissue into segments at rest.
 };

@@ -6,8 +6,10 @@
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/interface_map.h>
+#include <lefort/predict/prediction_options.h>
 #include <lefort/predict/separate_lips.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -49,6 +51,14 @@ struct FaceModel {
   InterfaceMap interface = {};
   LipSlit lips = {};
 };
+
+/// What contact reads in a model: kRegularized if every segment has an obstacle.
+[[nodiscard]] inline Obstacle obstacle_of(const FaceModel& model) {
+  return std::all_of(model.segments.begin(), model.segments.end(),
+                     [](const ContactBone& segment) { return segment.obstacle != nullptr; })
+             ? Obstacle::kRegularized
+             : Obstacle::kBone;
+}
 
 /// Assigns each node to the segment with the closest surface at rest; of equally close segments, to
 /// the first.

@@ -2,7 +2,7 @@
 /// Result of a prediction: one state for each step along the paths. A value.
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/contact_statistics.h>
 #include <lefort/contact/support_term.h>
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>

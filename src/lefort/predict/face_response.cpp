@@ -1,5 +1,5 @@
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/pose_derivative.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/solve/equilibrium.h>
@@ -100,7 +100,7 @@ Result<std::unique_ptr<FaceResponse>> FaceResponse::create(const FaceModel& mode
   for (const auto& distance_query_B : distance_queries_B)
     max_distance_mm = std::min(max_distance_mm, distance_query_B->max_distance_mm());
   response->max_increment_mm_ =
-      max_increment_mm(options.tissue, options.contact.obstacle, max_distance_mm);
+      max_increment_mm(options.tissue, obstacle_of(model), max_distance_mm);
   for (const ContactBone& segment : model.segments) {
     const std::vector<Vec3>& vertices = segment.surface_B.vertices;
     Vec3 center = Vec3::Zero();
@@ -116,7 +116,7 @@ Result<std::unique_ptr<FaceResponse>> FaceResponse::create(const FaceModel& mode
 FaceState FaceResponse::at_rest() const {
   const std::vector<RigidTransform> X_LB(segment_count(), RigidTransform::Identity());
   const FaceEquilibrium rest{X_LB, VectorX::Zero(3 * model().tissue.node_count())};
-  return {rest, body_->rest_checkpoints()};
+  return {rest};
 }
 
 int FaceResponse::increment_count(const std::vector<RigidTransform>& from_X_LB,
@@ -138,7 +138,7 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
   for (const RigidTransform& pose : X_LB)
     if (!pose.matrix().allFinite())
       return fail(ErrorCode::kInvalidArgument, "the pose of a segment is not finite");
-  body_->restore(start.at, start.contacts);
+  body_->set_poses(start.at.X_LB);
   const auto poses_at = [&](double fraction) {
     if (fraction == 1.0) return X_LB;
     std::vector<RigidTransform> poses;
@@ -163,20 +163,19 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
       },
       load_step_options(options_.solver, 1.0 / increment_count(start.at.X_LB, X_LB)));
   LEFORT_TRY_VOID(stepper.advance_to(1.0, progress));
-  return FaceState{std::move(last), body_->checkpoints()};
+  return FaceState{std::move(last)};
 }
 
 Result<void> FaceResponse::factorize_at(const FaceState& state) {
   if (body_->weighted_contacts().any())
     return fail(ErrorCode::kInvalidArgument,
-                "derivatives of the face need contact.integration quadrature or vertices, not "
-                "weighted");
+                "derivatives of the face need contact.integration quadrature, not weighted");
   const fem::Assembler& assembler = body_->assembler();
   for (const contact::ContactTerm& contact : body_->segment_contacts())
     if (!contact.is_conservative(assembler.dofs()))
       return fail(ErrorCode::kInvalidArgument,
                   "derivatives of the face need contact.detection smooth or trilinear, not bvh");
-  body_->restore(state.at, state.contacts);
+  body_->set_poses(state.at.X_LB);
   fem::set_near_null_space(tangent_solver_, assembler);
   const linear::LinearSolveStatus status = tangent_solver_.factorize(assembler.tangent(state.at.u));
   if (status == linear::LinearSolveStatus::kDone) return {};

@@ -39,7 +39,6 @@ namespace lefort::predict {
 /// An equilibrium of a FaceResponse, from which another can be found. A value.
 struct FaceState {
   FaceEquilibrium at;
-  std::vector<contact::ContactTerm::Checkpoint> contacts;
 
   /// \returns the displacement of each node [mm].
   [[nodiscard]] std::vector<Vec3> displacement_mm() const;
@@ -85,7 +84,6 @@ class FaceResponse {
   ///   - kInvalidArgument  no derivative is computed with weighted gaps or a query without exact
   ///     derivatives (detection bvh);
   ///   - kOutOfMemory.
-  /// \note Multipliers of the augmented Lagrangian are held constant.
   [[nodiscard]] Result<Eigen::MatrixXd> sensitivities(const FaceState& state,
                                                       std::span<const PoseRate> rates);
 

@@ -34,7 +34,7 @@ struct LoadLevel {
 /// element, or half of `max_distance_mm` (docs/theory/contact.md, Load stepping).
 ///
 /// \param tissue           its element size is used.
-/// \param obstacle         of the plan's contact.
+/// \param obstacle         obstacle_of() the model.
 /// \param max_distance_mm  minimum of those of the segments' distance queries, > 0.
 [[nodiscard]] double max_increment_mm(const TissueOptions& tissue, Obstacle obstacle,
                                       double max_distance_mm);
@@ -43,7 +43,7 @@ struct LoadLevel {
 /// than max_increment_mm(). Plans that differ only in their steps can have the same increments.
 ///
 /// \param tissue           its element size is used.
-/// \param obstacle         of the plan's contact.
+/// \param obstacle         obstacle_of() the model.
 /// \param paths            one for each segment.
 /// \param segments         in the order of `paths`.
 /// \param max_distance_mm  minimum of those of the segments' distance queries, > 0.

@@ -108,7 +108,7 @@ Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
 
 /// \param max_distance_mm  of the segments' distance queries, the smallest.
 void FacePath::make_stepper(double max_distance_mm) {
-  const int count = increments_of_step(options_.tissue, options_.contact.obstacle, paths_,
+  const int count = increments_of_step(options_.tissue, obstacle_of(model_), paths_,
                                        model_.segments, max_distance_mm);
   levels_ = load_levels(paths_, count);
   increments_ = load_step_options(options_.solver, 1.0 / (count * geometry::steps_of(paths_)));
@@ -120,7 +120,7 @@ void FacePath::make_stepper(double max_distance_mm) {
 
 void FacePath::resume(Restart earlier) {
   restart_ = std::move(earlier);
-  body_->restore(at_level(restart_.stepper.last), restart_.contacts);
+  body_->set_poses(at_level(restart_.stepper.last).X_LB);
   stepper_.emplace(fem::LoadStepper::resumed(
       restart_.stepper,
       [this](double path_fraction, const VectorX& start) { return solve_at(path_fraction, start); },
@@ -135,7 +135,7 @@ fem::NewtonOutcome FacePath::solve_at(double path_fraction, const VectorX& start
   if (watch_.on_iterate)
     on_iterate = [&](const fem::NewtonIterate& line, const fem::ResidualState& residual_state,
                      bool is_start) {
-      // As in the history, the start of a solve that follows a multiplier update is left out.
+      // As in the history, the start of a solve that continues another is left out.
       if (is_start && iterate_.iteration >= 0) return;
       ++iterate_.iteration;
       iterate_.line = line;
@@ -186,7 +186,6 @@ void FacePath::record_step(double path_fraction) {
 void FacePath::save_restart() {
   if (!watch_.on_restart) return;
   restart_.stepper = stepper_->checkpoint();
-  restart_.contacts = body_->checkpoints();
   watch_.on_restart(restart_);
 }
 
@@ -218,10 +217,6 @@ contact::ContactStatistics PredictionStep::contact() const {
     all = k == 0 ? one : contact::combine(all, one);
   }
   return all;
-}
-
-double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
-  return stiffness_factor(contact, tissue) * tissue.young_mpa / node_spacing_mm(tissue);
 }
 
 Result<FacePrediction> predict_face(const FaceModel& model,

@@ -3,7 +3,7 @@
 /// step.
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/contact_statistics.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/fem/solve/load_steps.h>
@@ -27,20 +27,10 @@ struct PredictionOptions {
   SolverOptions solver;
 };
 
-/// Penalty stiffness k_c [MPa/mm] of a plan.
-///
-/// \param tissue   its Young's modulus and element size are used.
-/// \param contact  its stiffness factor is used.
-[[nodiscard]] double contact_stiffness_mpa_per_mm(const TissueOptions& tissue,
-                                                  const ContactOptions& contact);
-
 /// The steps found so far and all that the next step depends on.
 struct Restart {
   std::vector<PredictionStep> steps;  ///< Converged.
   fem::LoadStepper::Checkpoint stepper;
-  /// One for each segment, none with kBonded; then that of stationary bone, if there is a set
-  /// sets::kStationaryContact. Empty with weighted gaps.
-  std::vector<contact::ContactTerm::Checkpoint> contacts;
 };
 
 /// Callbacks of a prediction; each may be empty.

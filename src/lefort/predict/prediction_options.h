@@ -2,7 +2,9 @@
 /// Options of a prediction other than the planned bone motion. Plain values with defaults.
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/distance_query.h>
+#include <lefort/contact/integration.h>
+#include <lefort/contact/penalty.h>
 #include <lefort/core/types.h>
 
 #include <optional>
@@ -142,20 +144,29 @@ enum class Obstacle {
 }
 
 struct ContactOptions {
-  Obstacle obstacle = Obstacle::kBone;
+  Obstacle obstacle = Obstacle::kRegularized;
   /// k_c = factor * Young's modulus / node spacing, > 0; default: stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
-  /// contact::ContactTerm::Options::penetration_tolerance_mm.
-  std::optional<double> penetration_tolerance_mm = std::nullopt;
+  /// Penetration increase at which the hardening term of the contact pressure is 4 E, E being
+  /// Young's modulus of the deep tissue; > 0. Empty: the penalty of the paper alone
+  /// (contact_law()).
+  std::optional<double> penetration_tolerance_mm = 0.05;
 };
 
-/// The factor in k_c: that of `contact`, else 10; 100 with a regularized obstacle, 160 with a
-/// penetration tolerance: the augmented Lagrangian then needs fewer Newton iterations, 370 instead
-/// of 631 on one path (docs/studies/contact-on-a-real-head.md). By default weighted gaps have the
-/// stiffness of contact::weighted_stiffness_mpa_per_mm().
+/// The factor in k_c: that of `contact`, else 10, or with weighted gaps that of
+/// contact::weighted_stiffness_mpa_per_mm().
 [[nodiscard]] double stiffness_factor(const ContactOptions& contact, const TissueOptions& tissue);
+
+/// Contact pressure with Young's modulus E of the deep tissue, the node spacing h, the factor f and
+/// the penetration tolerance t (contact/penalty.h):
+///
+///   p(d) = 2 f E d / h + 4 E (d / t)^2,  d <= 2 t
+///
+/// Without a tolerance, and with weighted gaps, it has the first term only.
+[[nodiscard]] contact::PressureLaw contact_law(const ContactOptions& contact,
+                                               const TissueOptions& tissue);
 
 struct SolverOptions {
   double relative_tolerance = 1e-6;  ///< Of the residual, relative to the residual reference.

@@ -28,6 +28,12 @@ std::vector<std::int32_t> nodes_painted(const mesh::VolumeMesh& tissue, Boundary
   return {};
 }
 
+bool slides_on_segments(const mesh::VolumeMesh& tissue, TissueInterface interface) {
+  return interface != TissueInterface::kBonded ||
+         !nodes_painted(tissue, BoundaryLabel::kContact).empty() ||
+         !nodes_painted(tissue, BoundaryLabel::kElevated).empty();
+}
+
 namespace {
 
 using NodeList = std::vector<std::int32_t>;

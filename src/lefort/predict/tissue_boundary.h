@@ -108,6 +108,11 @@ struct BoundaryLabelStatistics {
 [[nodiscard]] std::vector<BoundaryLabelStatistics> boundary_label_statistics(
     const mesh::VolumeMesh& tissue);
 
+/// \param tissue  with the sets of find_tissue_boundary().
+/// \returns whether tissue can slide on the segments: the interface is not kBonded, or nodes are
+///   painted as kContact or kElevated.
+[[nodiscard]] bool slides_on_segments(const mesh::VolumeMesh& tissue, TissueInterface interface);
+
 /// Nodes of a label, ascending; none if nothing was painted.
 [[nodiscard]] std::vector<std::int32_t> nodes_painted(const mesh::VolumeMesh& tissue,
                                                       BoundaryLabel label);

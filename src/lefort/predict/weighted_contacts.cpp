@@ -1,4 +1,4 @@
-#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/contact/contact_surface.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/weighted_contacts.h>
 

@@ -43,7 +43,7 @@ struct ReportTable {
 struct SolverStep {
   double path_fraction = 0.0;                ///< 0 to 1.
   std::vector<double> relative_residuals{};  ///< One per Newton iteration.
-  double max_penetration_mm = 0.0;           ///< Of tissue in bone; not the penetration increase.
+  double max_penetration_mm = 0.0;           ///< Of tissue in the obstacle; not the increase.
   double mean_penetration_mm = 0.0;          ///< Over the contact area.
 };
 

@@ -34,7 +34,7 @@ LinePlot penetration_plot(std::span<const SolverStep> steps) {
     maximum.y.push_back(step.max_penetration_mm);
     mean.y.push_back(step.mean_penetration_mm);
   }
-  return {.title = "Remaining penetration of tissue into bone",
+  return {.title = "Penetration of tissue into the obstacle",
           .x_label = "path fraction [%]",
           .y_label = "penetration [mm]",
           .y_axis = Axis::kLinear,

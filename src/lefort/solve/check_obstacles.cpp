@@ -34,10 +34,8 @@ contact::ContactTerm make_contact(
           prepared.obstacle_faces[i],
           {distance_query, RigidTransform::Identity()},
           {.name = "obstacle " + obstacle.name,
-           .stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm[i],
-           .contact_snap_mm = obstacle.contact_snap_mm,
-           .integration = obstacle.integration,
-           .penetration_tolerance_mm = obstacle.penetration_tolerance_mm}};
+           .law = prepared.obstacle_laws[i],
+           .contact_snap_mm = obstacle.contact_snap_mm}};
 }
 
 Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,

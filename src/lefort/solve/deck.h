@@ -3,7 +3,8 @@
 /// Sets and regions are names that prepare_deck() finds in the mesh.
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/distance_query.h>
+#include <lefort/contact/integration.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/materials/material.h>
 #include <lefort/fem/solve/load_steps.h>
@@ -109,7 +110,7 @@ struct Obstacle {
   double contact_snap_mm = 0.0;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
-  /// contact::ContactTerm::Options::penetration_tolerance_mm; with weighted gaps the tolerance of
+  /// That of contact::hardening_law(), none by default; with weighted gaps that of
   /// contact::weighted_stiffness_mpa_per_mm(), by default contact::kWeightedTolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };

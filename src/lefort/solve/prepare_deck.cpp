@@ -1,3 +1,4 @@
+#include <lefort/contact/penalty.h>
 #include <lefort/contact/weighted_contact_term.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/geometry/rigid_path.h>
@@ -182,9 +183,15 @@ Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
     LEFORT_TRY_VOID(prefix_error(geometry::check_path(obstacle.path), key));
     LEFORT_TRY(FaceList faces, prefix_error(find_faces(prepared.mesh, obstacle.faces), key));
     LEFORT_TRY_VOID(prefix_error(check_outside(prepared, index, faces, obstacle.faces), key));
+    const double young_mpa = young_behind_mpa(prepared, index, faces);
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
-        default_stiffness_mpa_per_mm(obstacle, young_behind_mpa(prepared, index, faces),
-                                     mean_edge_mm(prepared.mesh, faces))));
+        default_stiffness_mpa_per_mm(obstacle, young_mpa, mean_edge_mm(prepared.mesh, faces))));
+    const double stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm.back();
+    prepared.obstacle_laws.push_back(
+        obstacle.penetration_tolerance_mm
+            ? contact::hardening_law(stiffness_mpa_per_mm, young_mpa,
+                                     *obstacle.penetration_tolerance_mm)
+            : contact::PressureLaw{.penalty_mpa_per_mm = stiffness_mpa_per_mm});
     prepared.obstacle_faces.push_back(std::move(faces));
   }
   return {};

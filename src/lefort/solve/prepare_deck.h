@@ -2,6 +2,7 @@
 /// Checks a deck and its mesh before the solve: names become lists of nodes, faces and regions.
 #pragma once
 
+#include <lefort/contact/penalty.h>
 #include <lefort/core/error.h>
 #include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/fem/materials/material.h>
@@ -33,6 +34,7 @@ struct PreparedDeck {
   std::vector<std::vector<std::int32_t>> body_force_regions;  ///< As Deck::body_forces.
   std::vector<std::vector<mesh::Face>> obstacle_faces;        ///< As Deck::obstacles.
   std::vector<double> obstacle_stiffness_mpa_per_mm;          ///< As Deck::obstacles.
+  std::vector<contact::PressureLaw> obstacle_laws;            ///< Likewise; of quadrature.
   std::vector<ProbePlace> probes;                             ///< As Deck::probes.
   std::vector<double> levels;  ///< Times at which an increment ends, ascending, the last 1.
   std::vector<std::string> warnings;

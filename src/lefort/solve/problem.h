@@ -2,15 +2,14 @@
 /// The equations of a deck: its force terms, with loads and poses that depend on time.
 #pragma once
 
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/contact/weighted_contact_term.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/load_steps.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/check_obstacles.h>
-#include <lefort/solve/continuous_contact_check.h>
 #include <lefort/solve/deck_loads.h>
 #include <lefort/solve/run_deck.h>
 
@@ -66,15 +65,18 @@ class Problem {
         contact.term.set_pose(n, obstacles_[contact.obstacles[n]].X_LB);
   }
 
-  /// Rejects an equilibrium if an obstacle without weighted gaps passed through faces within the
-  /// increment.
-  void reject_passages(fem::NewtonOutcome& outcome) const {
-    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
-    for (std::size_t i = 0; i < contact_checks_.size() && outcome.converged(); ++i)
-      if (auto why = contact_checks_[i].rejection_reason(obstacles_[contact_obstacles_[i]], x_L)) {
+  /// Rejects an equilibrium if an obstacle without weighted gaps passed through faces since the
+  /// equilibrium `last`.
+  void reject_passages(const fem::LoadState& last, fem::NewtonOutcome& outcome) const {
+    const std::vector<Vec3> from_L = contact::displaced(prepared_.mesh.nodes_L, last.u);
+    const std::vector<Vec3> to_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
+    for (std::size_t n = 0; n < contacts_.size() && outcome.converged(); ++n) {
+      const geometry::RigidPath& path = prepared_.deck.obstacles[contact_obstacles_[n]].path;
+      if (auto why = contacts_[n].rejection_reason(geometry::pose_at(path, last.t), from_L, to_L)) {
         outcome.stop = fem::NewtonStop::kRejected;
         outcome.reason = *std::move(why);
       }
+    }
   }
 
   /// Largest fraction, at most 1, of the step `du` by which no face passes through an obstacle with
@@ -128,17 +130,15 @@ class Problem {
     return std::nullopt;
   }
 
-  /// Makes an accepted equilibrium the start of the next continuous contact checks.
-  void commit(const VectorX& u) {
+  /// ContactTerm::note_clearances() at an accepted equilibrium.
+  void note_clearances(const VectorX& u) {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
-    for (std::size_t i = 0; i < contact_checks_.size(); ++i)
-      contact_checks_[i].commit(obstacles_[contact_obstacles_[i]], x_L);
+    for (contact::ContactTerm& contact : contacts_) contact.note_clearances(x_L);
   }
 
   /// Results of a converged state.
   [[nodiscard]] Increment describe(const fem::LoadState& state) const;
 
-  [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
   [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
   [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
 
@@ -152,7 +152,6 @@ class Problem {
         contact_obstacles_(obstacles_without_weighted_gaps(prepared)),
         contacts_(make_contacts(prepared, contact_obstacles_, distance_queries)),
         weighted_(make_weighted_contacts(prepared, obstacles_)),
-        contact_checks_(make_contact_checks(prepared, contact_obstacles_, obstacles_)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
   static std::vector<contact::RigidObstacle> make_obstacles(
@@ -181,18 +180,6 @@ class Problem {
     return contacts;
   }
 
-  static std::vector<ContinuousContactCheck> make_contact_checks(
-      const PreparedDeck& prepared, std::span<const std::size_t> checked,
-      const std::vector<contact::RigidObstacle>& obstacles) {
-    std::vector<ContinuousContactCheck> checks;
-    for (const std::size_t i : checked) {
-      checks.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-                          "obstacle " + prepared.deck.obstacles[i].name);
-      checks.back().commit(obstacles[i], prepared.mesh.nodes_L);
-    }
-    return checks;
-  }
-
   [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
     std::vector<const fem::ForceTerm*> terms;
     for (const auto& term : elements_) terms.push_back(term.get());
@@ -209,7 +196,6 @@ class Problem {
   std::vector<std::size_t> contact_obstacles_;     ///< Of each of contacts_: index of its obstacle.
   std::vector<contact::ContactTerm> contacts_;
   std::vector<WeightedContact> weighted_;
-  std::vector<ContinuousContactCheck> contact_checks_;
   fem::Assembler assembler_;
 };
 

@@ -1,5 +1,5 @@
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/solve_active_set.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/solve/equilibrium.h>
@@ -208,25 +208,18 @@ Result<DeckRun> DeckRunner::run() {
 fem::NewtonOutcome DeckRunner::solve_at(double time, const VectorX& start) {
   problem_.set_time(time);
   newton_.may_accept_start_by_round_off = is_at_rest(prepared_, time);
-  const auto solve_unilateral = [&](const VectorX& from) {
-    return contact::solve_augmented_lagrangian(
-        problem_.contacts(), prepared_.mesh.nodes_L, from, [&](const VectorX& x) {
-          return solve_from(time, x, prepared_.deck.newton.max_iterations);
-        });
-  };
+  const int max_iterations = prepared_.deck.newton.max_iterations;
   fem::NewtonOutcome outcome;
   if (!problem_.has_weighted_contact())
-    outcome = solve_unilateral(start);
+    outcome = solve_from(time, start, max_iterations);
   else if (auto passed = problem_.passage_at_start(stepper_.state(), start))
     outcome = *std::move(passed);
   else
     outcome = contact::solve_active_set(
         problem_.weighted_contacts(), prepared_.mesh.nodes_L,
-        problem_.active_sets(stepper_.state(), time), start, prepared_.deck.newton.max_iterations,
-        [&](const VectorX& from, int max_iterations) {
-          return max_iterations == 1 ? solve_from(time, from, 1) : solve_unilateral(from);
-        });
-  if (outcome.converged()) problem_.commit(outcome.x);
+        problem_.active_sets(stepper_.state(), time), start, max_iterations,
+        [&](const VectorX& from, int iterations) { return solve_from(time, from, iterations); });
+  if (outcome.converged()) problem_.note_clearances(outcome.x);
   return outcome;
 }
 
@@ -235,7 +228,7 @@ fem::NewtonOutcome DeckRunner::solve_from(double time, const VectorX& start, int
   fem::NewtonOutcome outcome =
       fem::find_equilibrium(problem_.assembler(), prescribed_at(prepared_, time), start,
                             linear_solver_, newton_, progress_);
-  if (outcome.converged()) problem_.reject_passages(outcome);
+  if (outcome.converged()) problem_.reject_passages(stepper_.state(), outcome);
   return outcome;
 }
 

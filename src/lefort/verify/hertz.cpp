@@ -1,5 +1,5 @@
+#include <lefort/contact/contact_surface.h>
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
@@ -136,7 +136,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
   };
   contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
                                {.distance_query_B = sphere_B},
-                               {.stiffness_mpa_per_mm = kHertzStiffness_mpa_per_mm});
+                               {.law = {.penalty_mpa_per_mm = kHertzStiffness_mpa_per_mm}});
   model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
                            X_LB.translation().z() = -fraction * kIndentation_mm;

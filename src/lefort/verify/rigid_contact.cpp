@@ -1,4 +1,4 @@
-#include <lefort/contact/solve_augmented_lagrangian.h>
+#include <lefort/contact/contact_surface.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
@@ -103,7 +103,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
                                     contact::DetectionMethod::kSmooth));
   contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
                                {distance_query_B},
-                               {.stiffness_mpa_per_mm = kPunchStiffness_mpa_per_mm});
+                               {.law = {.penalty_mpa_per_mm = kPunchStiffness_mpa_per_mm}});
   model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
                            X_LB.translation() = shift_mm(fraction);
@@ -112,7 +112,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
   Followed followed;
   const auto on_increment = [&](double fraction, const VectorX& u) {
     const std::vector<Vec3> x_L = contact::displaced(model.mesh.nodes_L, u);
-    contact.commit(x_L);
+    contact.note_clearances(x_L);
     followed.increments.push_back(
         {.fraction = fraction, .force_n = contact.summarize(x_L).force_L_n});
   };

@@ -107,7 +107,7 @@ export interface Contact {
   stiffness_factor?: number;
   obstacle?: 'regularized' | 'bone';
   detection?: 'smooth' | 'trilinear' | 'bvh';
-  penetration_tolerance_mm?: number;
+  penetration_tolerance_mm?: number | null;
 }
 
 /** Default number of steps of a path (docs/guide/osteotomies.md). */

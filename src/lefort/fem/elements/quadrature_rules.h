@@ -46,6 +46,34 @@ namespace lefort::fem {
   return rule;
 }
 
+/// Twelve points of the same triangle, exact to degree 6 (\cite dunavant1985).
+[[nodiscard]] inline Rule<2, 12> triangle_12() {
+  struct Orbit {
+    double a, b, weight;  ///< Barycentric coordinates a, b, 1 - a - b; all weights sum to one.
+  };
+  constexpr Orbit kInner{0.249286745170910421, 0.249286745170910421, 0.116786275726379366};
+  constexpr Orbit kOuter{0.063089014491502227, 0.063089014491502227, 0.050844906370206817};
+  constexpr Orbit kSix{0.053145049844816947, 0.310352451033784405, 0.082851075618373575};
+  Rule<2, 12> rule;
+  std::size_t q = 0;
+  const auto add = [&](double xi, double eta, double weight) {
+    rule[q++] = {{xi, eta}, 0.5 * weight};
+  };
+  for (const Orbit& orbit : {kInner, kOuter, kSix}) {
+    const auto& [a, b, weight] = orbit;
+    const double c = 1.0 - a - b;
+    add(a, b, weight);
+    add(b, c, weight);
+    add(c, a, weight);
+  }
+  const auto& [a, b, weight] = kSix;
+  const double c = 1.0 - a - b;
+  add(b, a, weight);
+  add(a, c, weight);
+  add(c, b, weight);
+  return rule;
+}
+
 /// \returns the rule on the product of two reference elements; the coordinates of `b` come
 ///   last.
 template <int kDimA, std::size_t kCountA, int kDimB, std::size_t kCountB>

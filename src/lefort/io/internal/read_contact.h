@@ -2,8 +2,12 @@
 /// Contact options, which plans and decks have in common.
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/distance_query.h>
+#include <lefort/contact/integration.h>
 #include <lefort/io/internal/validated_json.h>
+
+#include <optional>
+#include <string>
 
 namespace lefort::io::internal {
 
@@ -18,11 +22,11 @@ void read_contact(const Json& json, Options& options) {
     if (detection == contact::name_of(known)) options.detection = known;
   const std::string integration = json.value("integration", std::string());
   for (const contact::Integration known :
-       {contact::Integration::kQuadrature, contact::Integration::kNodes,
-        contact::Integration::kWeighted})
+       {contact::Integration::kQuadrature, contact::Integration::kWeighted})
     if (integration == contact::name_of(known)) options.integration = known;
-  if (json.contains("penetration_tolerance_mm"))
-    options.penetration_tolerance_mm = json["penetration_tolerance_mm"].get<double>();
+  if (const auto tolerance = json.find("penetration_tolerance_mm"); tolerance != json.end())
+    options.penetration_tolerance_mm =
+        tolerance->is_null() ? std::nullopt : std::optional(tolerance->get<double>());
 }
 
 }  // namespace lefort::io::internal

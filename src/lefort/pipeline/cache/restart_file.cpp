@@ -19,7 +19,7 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 11;
+constexpr double kStepsRevision = 13;
 
 constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;
@@ -152,12 +152,12 @@ void visit(Archive& archive, fem::LoadAttempt& attempt) {
 
 template <class Archive>
 void visit(Archive& archive, contact::ContactStatistics& summary) {
-  auto& [points, nodes, area_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
-         p99_from_rest_mm, max_bone_mm, p99_bone_mm, force_L_n, normal_force_n, tunneled_area_mm2] =
-      summary;
+  auto& [points, nodes, area_mm2, sampled_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
+         p99_from_rest_mm, max_bone_mm, p99_bone_mm, force_L_n, normal_force_n] = summary;
   archive(points);
   archive(nodes);
   archive(area_mm2);
+  archive(sampled_mm2);
   archive(max_mm);
   archive(mean_mm);
   archive(max_from_rest_mm);
@@ -167,7 +167,6 @@ void visit(Archive& archive, contact::ContactStatistics& summary) {
   archive(p99_bone_mm);
   visit(archive, force_L_n);
   archive(normal_force_n);
-  archive(tunneled_area_mm2);
 }
 
 template <class Archive>
@@ -209,23 +208,8 @@ void visit(Archive& archive, fem::LoadState& state) {
 }
 
 template <class Archive>
-void visit(Archive& archive, contact::ContactTerm::Checkpoint::TangentPlane& tangent_plane) {
-  visit(archive, tangent_plane.foot_B);
-  visit(archive, tangent_plane.normal_B);
-  archive(tangent_plane.is_plane_constrained);
-}
-
-template <class Archive>
-void visit(Archive& archive, contact::ContactTerm::Checkpoint& checkpoint) {
-  visit(archive, checkpoint.multipliers_mpa);
-  visit(archive, checkpoint.penalty_scales);
-  visit(archive, checkpoint.tangent_planes);
-  archive(checkpoint.tunneled_area_mm2);
-}
-
-template <class Archive>
 void visit(Archive& archive, predict::Restart& restart) {
-  auto& [steps, stepper, contacts] = restart;
+  auto& [steps, stepper] = restart;
   visit(archive, steps);
   visit(archive, stepper.last);
   bool has_before = stepper.before_last.has_value();
@@ -235,7 +219,6 @@ void visit(Archive& archive, predict::Restart& restart) {
     visit(archive, *stepper.before_last);
   }
   archive(stepper.increment);
-  visit(archive, contacts);
 }
 
 void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
@@ -334,8 +317,8 @@ std::string restart_key(const PreparedCase& prepared) {
   add(hash, prepared.model.interface);
   const auto& [obstacle, named_factor, detection, integration, penetration_tolerance_mm] =
       plan.contact;
-  static_cast<void>(obstacle);  // The obstacles themselves are above.
-  hash.add(predict::stiffness_factor(plan.contact, plan.tissue))
+  hash.add(double(obstacle))
+      .add(predict::stiffness_factor(plan.contact, plan.tissue))
       .add(double(detection))
       .add(double(integration))
       .add(penetration_tolerance_mm.value_or(0.0));

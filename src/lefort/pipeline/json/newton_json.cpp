@@ -47,7 +47,6 @@ Json contact_json(const contact::ContactStatistics& contact) {
           {"p99_penetration_increase_mm", contact.p99_penetration_increase_mm},
           {"max_bone_penetration_increase_mm", contact.max_bone_penetration_increase_mm},
           {"p99_bone_penetration_increase_mm", contact.p99_bone_penetration_increase_mm},
-          {"tunneled_area_mm2", contact.tunneled_area_mm2},
           {"force_n", as_json(contact.force_L_n)},
           {"normal_force_n", contact.normal_force_n}};
 }

@@ -3,7 +3,7 @@
 /// (`attempt` and `contact` of contract/prediction.schema.json).
 #pragma once
 
-#include <lefort/contact/contact_term.h>
+#include <lefort/contact/contact_statistics.h>
 #include <lefort/fem/solve/load_steps.h>
 
 #include <nlohmann/json.hpp>

@@ -35,12 +35,11 @@ constexpr double kCoarseTolerance = 1e-9;
 
 const char* const kPictureFolder = "pictures";
 
-/// Options of a live model of the plan's face. The coarse model has the penalty only: multipliers
-/// and weighted gaps have no derivatives (predict/face_response.h).
+/// Options of a live model of the plan's face. The coarse model has contact by quadrature:
+/// weighted gaps have no derivatives (predict/face_response.h).
 predict::PredictionOptions coarse_options(const io::PlanFile& plan) {
   predict::PredictionOptions options{coarse_tissue(plan.tissue), plan.boundary, plan.contact,
                                      plan.solver};
-  options.contact.penetration_tolerance_mm.reset();
   options.contact.integration = contact::Integration::kQuadrature;
   options.contact.detection = contact::DetectionMethod::kSmooth;
   options.solver.relative_tolerance = kCoarseTolerance;

@@ -100,21 +100,20 @@ std::optional<predict::Restart> find_earlier(const fs::path& file, int steps, Pr
   return *std::move(found);
 }
 
-/// Detection method, stiffness and tolerance of contact.
+/// Detection method and contact pressure.
 void report_contact(const io::PlanFile& plan, Progress& progress) {
   if (plan.boundary.interface == predict::TissueInterface::kBonded) return;
-  const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
+  const contact::PressureLaw law = predict::contact_law(plan.contact, plan.tissue);
   progress.note(fmt::format(
       "contact: {} detection, k_c = {:.4g} kPa/mm ({:g} times Young's modulus, {:g} kPa, over the "
-      "node spacing, {:g} mm){}",
-      contact::name_of(plan.contact.detection),
-      kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
+      "node spacing, {:g} mm){}{}",
+      contact::name_of(plan.contact.detection), kpa_from_mpa(law.penalty_mpa_per_mm),
       predict::stiffness_factor(plan.contact, plan.tissue), kpa_from_mpa(plan.tissue.young_mpa),
       predict::node_spacing_mm(plan.tissue),
-      plan.contact.integration == contact::Integration::kWeighted ? ", by weighted gaps"
-      : tolerance_mm ? fmt::format(", multipliers until the P99 of penetration increase is {:g} mm",
-                                   *tolerance_mm)
-                     : ""));
+      law.hardening_mpa_per_mm2 > 0.0
+          ? fmt::format(", penetration tolerance {:g} mm", *plan.contact.penetration_tolerance_mm)
+          : "",
+      plan.contact.integration == contact::Integration::kWeighted ? ", by weighted gaps" : ""));
 }
 
 /// The plan's text, and the scan it is for.
@@ -210,25 +209,6 @@ Result<Summary> write_unconverged(const PredictJob& job, const PreparedCase& pre
                           "history is in {}",
                           prediction.steps.size(), prepared.steps(), prediction.failure->message,
                           (job.output / "failure.json").string()));
-}
-
-/// Warns of steps whose penetration exceeds the tolerance.
-void check_penetration(const PreparedCase& prepared, const predict::FacePrediction& prediction,
-                       Progress& progress) {
-  const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm;
-  const bool is_weighted = prepared.plan.contact.integration == contact::Integration::kWeighted;
-  if (!tolerance_mm || is_weighted) return;  // Weighted gaps hold it in the mean.
-  const auto deep = std::count_if(
-      prediction.steps.begin(), prediction.steps.end(), [&](const predict::PredictionStep& step) {
-        return std::max(step.contact().p99_penetration_increase_mm,
-                        step.stationary_contact.p99_penetration_increase_mm) > *tolerance_mm;
-      });
-  if (deep == 0) return;
-  progress.note(
-      fmt::format("warning: after {} of {} steps the P99 of the penetration increase exceeds "
-                  "contact.penetration_tolerance_mm = {:g} mm; the augmented Lagrangian did not "
-                  "reach the tolerance",
-                  deep, prediction.steps.size(), *tolerance_mm));
 }
 
 std::vector<Vec3> displace_skin(const PreparedCase& prepared, const predict::PredictionStep& last) {
@@ -330,7 +310,6 @@ Result<Summary> predict_case(const PredictJob& job, Progress& inner) {
   LEFORT_TRY(const SolvedPath solved, solve_path(job, prepared, cache, progress));
   if (!solved.prediction.converged())
     return write_unconverged(job, prepared, solved, plan_text, progress.stages());
-  check_penetration(prepared, solved.prediction, progress);
   return write_face(job, prepared, solved, plan_text, cache, progress);
 }
 

@@ -188,8 +188,8 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
     segments_mm3 += prepared.cut.volumes_mm3[k];
     fragments_mm3 += prepared.cut.cuts[k].fragment_volume_mm3;
     fragments += prepared.cut.cuts[k].fragments;
-    cell_mm = std::max(cell_mm, prepared.model.segments[k].field_B->cell_mm());
-    band_mm = std::min(band_mm, prepared.model.segments[k].field_B->band_mm());
+    cell_mm = std::max(cell_mm, predict::contact_field_B(prepared.model.segments[k])->cell_mm());
+    band_mm = std::min(band_mm, predict::contact_field_B(prepared.model.segments[k])->band_mm());
   }
   return {"Model",
           {"quantity", "value"},
@@ -212,6 +212,10 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
                                      prediction.contact_stiffness_mpa_per_mm,
                                      predict::stiffness_factor(plan.contact, plan.tissue))
                        : std::string("\u2013")},
+           {"penetration tolerance: depth at a contact pressure of 4 E",
+            is_contact && plan.contact.penetration_tolerance_mm
+                ? fmt::format("{:g} mm", *plan.contact.penetration_tolerance_mm)
+                : std::string("\u2013")},
            {"penetration of tissue into the segment before it moves",
             is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
                        : std::string("\u2013")},
@@ -269,11 +273,12 @@ std::vector<report::KeyNumber> key_numbers(const PreparedCase& prepared,
                                            const predict::SkinDisplacementStatistics& skin) {
   if (prediction.steps.empty()) return {};
   const contact::ContactStatistics contact = prediction.steps.back().contact();
-  return {{"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
-          {"mean displacement where the skin moved by more than 0.5 mm",
-           fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
-          {"max remaining penetration", fmt::format("{:.2f} mm", contact.max_penetration_mm)},
-          {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
+  return {
+      {"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
+      {"mean displacement where the skin moved by more than 0.5 mm",
+       fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
+      {"max penetration increase", fmt::format("{:.2f} mm", contact.max_penetration_increase_mm)},
+      {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
 }
 
 std::vector<report::ReportTable> all_tables(const PreparedCase& prepared,
@@ -288,22 +293,14 @@ std::vector<report::ReportTable> all_tables(const PreparedCase& prepared,
   return tables;
 }
 
-/// Warnings of the import, of bone overlap and of tunnelling.
-std::vector<std::string> notes_on(const PreparedCase& prepared,
-                                  const predict::FacePrediction& prediction) {
+/// Warnings of the import and of bone overlap.
+std::vector<std::string> notes_on(const PreparedCase& prepared) {
   std::vector<std::string> notes = prepared.provenance.warnings;
   if (const predict::BoneOverlapAtFraction* deepest = predict::find_deepest(prepared.overlaps))
     notes.push_back(predict::describe_overlap(*deepest, prepared.plan.segments.size()) +
                     fmt::format("; prediction.json gives the depth at each step, {}*.vtp "
                                 "on each segment.",
                                 kBoneOverlap));
-  if (prediction.steps.empty()) return notes;
-  const contact::ContactStatistics contact = prediction.steps.back().contact();
-  if (contact.tunneled_area_mm2 > 0.0)
-    notes.push_back(
-        fmt::format("The penalty method does not fully prevent penetration: {:.1f} mm\u00b2 of "
-                    "tissue, of {:.0f} mm\u00b2 in contact, passed through thin bone.",
-                    contact.tunneled_area_mm2, contact.area_mm2));
   return notes;
 }
 
@@ -358,7 +355,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report.tables = all_tables(prepared, prediction, timing);
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
-  report.notes = notes_on(prepared, prediction);
+  report.notes = notes_on(prepared);
   report.provenance = provenance_rows(prepared.provenance);
   report.limitations = limitations_of(prepared);
   return report;

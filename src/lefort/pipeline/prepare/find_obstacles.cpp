@@ -112,10 +112,11 @@ Result<void> find_obstacle(const NamedBone& named, std::span<const predict::Adja
 }  // namespace
 
 Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
-                            const predict::TissueOptions& tissue, const StageCache& cache,
+                            const predict::TissueOptions& tissue,
+                            predict::TissueInterface interface, const StageCache& cache,
                             Progress& progress) {
   if (plan.contact.obstacle == predict::Obstacle::kBone ||
-      plan.boundary.interface == predict::TissueInterface::kBonded)
+      !(predict::slides_on_segments(model.tissue, interface) || model.stationary_bone))
     return {};
   const predict::RegularizationOptions options{.node_spacing_mm = predict::node_spacing_mm(tissue),
                                                .reach_mm = reach_mm(model, plan, tissue)};

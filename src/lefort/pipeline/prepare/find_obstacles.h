@@ -11,16 +11,18 @@
 
 namespace lefort::pipeline {
 
-/// Sets the obstacle of each bone of a model, if the plan has regularized obstacles
-/// (predict/regularized_bone.h). A bone that the mesh cannot resolve keeps none, with a warning.
+/// Sets the obstacle (predict/regularized_bone.h) of each bone of a model, if the plan has them and
+/// tissue can slide on bone. A bone that the mesh cannot resolve keeps none, with a warning.
 ///
-/// \param model     with its tissue at rest.
-/// \param plan      its contact, field and paths are used.
-/// \param tissue    options of the model's tissue.
-/// \param progress  receives the distance of each obstacle from its bone.
+/// \param model      with its tissue at rest.
+/// \param plan       its contact, field and paths are used.
+/// \param tissue     options of the model's tissue.
+/// \param interface  of the model.
+/// \param progress   receives the distance of each obstacle from its bone.
 /// \returns nothing, or the errors of find_field() and predict::regularize_bone().
 [[nodiscard]] Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
                                           const predict::TissueOptions& tissue,
+                                          predict::TissueInterface interface,
                                           const StageCache& cache, Progress& progress);
 
 }  // namespace lefort::pipeline

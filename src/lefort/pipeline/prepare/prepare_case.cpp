@@ -195,8 +195,7 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
       std::move(with_lips.lips), std::move(layered)};
 }
 
-/// The field of stationary bone, if tissue meets it. A regularized obstacle replaces it in contact,
-/// so that it need not be smooth.
+/// The field of stationary bone, if tissue meets it.
 Result<std::optional<predict::ContactBone>> find_stationary_bone(
     const predict::TissueBoundary& boundary, const geometry::TriangleMesh& remainder_L,
     const io::PlanFile& plan, const StageCache& cache, Progress& progress) {
@@ -204,10 +203,7 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
       !predict::slides_on_stationary_bone(boundary.interface))
     return std::nullopt;
   LEFORT_TRY(auto field, find_field("remainder", remainder_L,
-                                    plan.contact.obstacle == predict::Obstacle::kRegularized
-                                        ? overlap_field_options(plan, remainder_L)
-                                        : contact_field_options(plan, remainder_L),
-                                    cache, progress));
+                                    contact_field_options(plan, remainder_L), cache, progress));
   return predict::ContactBone{remainder_L, std::move(field)};
 }
 
@@ -310,7 +306,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(find_obstacles(model, plan, plan.tissue, cache, progress));
+  LEFORT_TRY_VOID(
+      find_obstacles(model, plan, plan.tissue, plan.boundary.interface, cache, progress));
   Provenance provenance = provenance_of(plan, plan_sha256, head);
   return PreparedCase{std::move(plan),
                       std::move(provenance),
@@ -343,7 +340,8 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(find_obstacles(model, prepared.plan, tissue, cache, progress));
+  LEFORT_TRY_VOID(
+      find_obstacles(model, prepared.plan, tissue, boundary.interface, cache, progress));
   return model;
 }
 

@@ -126,7 +126,7 @@ Result<solve::ObstacleDistanceQueries> detect_obstacles(const io::DeckFile& file
   return distance_queries;
 }
 
-std::string described(const solve::Increment& increment, const solve::Deck& deck) {
+std::string described(const solve::Increment& increment) {
   std::string line = fmt::format(
       "  time {:.4f}: {} Newton iterations in {} increments tried, relative residual {:.1e}, moved "
       "up to {:.3f} mm",
@@ -135,11 +135,6 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
   for (std::size_t i = 0; i < increment.contacts.size(); ++i) {
     const contact::ContactStatistics& contact = increment.contacts[i];
     line += fmt::format(", {} nodes in contact", contact.nodes);
-    const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
-    if (tolerance_mm && deck.obstacles[i].integration != contact::Integration::kWeighted &&
-        contact.p99_penetration_increase_mm > *tolerance_mm)
-      line += fmt::format(" with a P99 of the penetration increase of {:.3g} mm, above {:g} mm",
-                          contact.p99_penetration_increase_mm, *tolerance_mm);
   }
   return line;
 }
@@ -223,7 +218,7 @@ Result<Summary> solve_and_write(const SolveJob& job, const io::DeckFile& file,
   watch.on_phase = [&](fem::SolvePhase phase) { clock.begin(name_of(phase)); };
   watch.on_increment = [&](const solve::Increment& increment) {
     clock.begin("output");
-    if (!job.quiet) progress.note(described(increment, prepared.deck));
+    if (!job.quiet) progress.note(described(increment));
     Result<void> added = writer.add(increment);
     clock.begin(name_of(fem::SolvePhase::kNone));
     return added;

@@ -3,6 +3,7 @@
 #include <lefort/pipeline/uncertainty/face_variant.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string_view>
 
@@ -38,6 +39,15 @@ bool is(const UncertainInput& input, std::string_view parameter) {
   return input.parameter->name == parameter;
 }
 
+/// Sets the factor of the penalty, and scales the coefficient of the hardening term with it: it is
+/// inversely proportional to the square of the tolerance.
+void set_stiffness_factor(predict::PredictionOptions& options, double factor) {
+  predict::ContactOptions& contact = options.contact;
+  const double ratio = factor / predict::stiffness_factor(contact, options.tissue);
+  if (contact.penetration_tolerance_mm) *contact.penetration_tolerance_mm /= std::sqrt(ratio);
+  contact.stiffness_factor = factor;
+}
+
 predict::PredictionOptions options_of(const FaceVariant& variant,
                                       std::span<const UncertainInput> inputs,
                                       std::span<const double> values) {
@@ -47,7 +57,7 @@ predict::PredictionOptions options_of(const FaceVariant& variant,
     if (is(inputs[n], "skin_ratio_factor") && options.tissue.skin)
       options.tissue.skin->young_mpa *= values[n];
     if (is(inputs[n], "interface_layer_mm")) options.boundary.interface_layer_mm = values[n];
-    if (is(inputs[n], "contact_stiffness_factor")) options.contact.stiffness_factor = values[n];
+    if (is(inputs[n], "contact_stiffness_factor")) set_stiffness_factor(options, values[n]);
   }
   return options;
 }

@@ -27,7 +27,7 @@ namespace lefort::pipeline {
 namespace {
 
 // Increase when samples of the same inputs change.
-constexpr const char* kSampleRevision = "uncertainty-1";
+constexpr const char* kSampleRevision = "uncertainty-2";
 constexpr double kMovedSkin_mm = 0.5;  ///< As in the summary of a prediction.
 
 /// Only requests to stop pass; it may be used by several threads.

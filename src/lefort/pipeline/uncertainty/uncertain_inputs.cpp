@@ -36,7 +36,7 @@ constexpr std::array kInputParameters{
         "thickness of the elastic layer below sliding tissue; its stiffness is inversely "
         "proportional",
         "mm", "interface", InputEffect::kForces, 0.01, 100.0},
-    InputParameter{"contact_stiffness_factor", "factor in the penalty stiffness of contact", "",
+    InputParameter{"contact_stiffness_factor", "factor in the stiffness of contact", "",
                    "interface", InputEffect::kForces, 0.01, 1000.0},
     InputParameter{"elevation_margin_mm",
                    "distance from an osteotomy within which tissue is elevated, on both sides",

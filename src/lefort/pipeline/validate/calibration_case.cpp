@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Increase when results of the same inputs change.
-constexpr const char* kCalibrationRevision = "calibrate-2";
+constexpr const char* kCalibrationRevision = "calibrate-3";
 constexpr std::uintmax_t kMaxEvaluation = 1 << 30;  // Bytes.
 constexpr std::size_t kDigest = 64;                 // Hexadecimal digits of SHA-256.
 

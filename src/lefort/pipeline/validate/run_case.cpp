@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using geometry::TriangleMesh;
 
 // Increase when results of the same inputs change.
-constexpr const char* kRevision = "validate-2";
+constexpr const char* kRevision = "validate-3";
 
 std::string key_of(const CaseJob& job, const std::string& inputs_sha256) {
   const SetupOptions& setup = job.setup;
