@@ -60,10 +60,9 @@ std::optional<Vec3> find_passage(const RigidObstacle& obstacle, std::span<const 
   std::vector<double> excess_mm(to_B.size(), 0.0);
   parallel_for(Index(to_B.size()), [&](Index k) {
     const Vec3 &from = from_B[std::size_t(k)], &to = to_B[std::size_t(k)];
-    if ((to - from).norm() <= kCells * cell_mm) return;
+    if ((to - from).norm() <= kCells * cell_mm || gap_mm(at_origin, from) < 0.0) return;
     const double deepest = deepest_mm(at_origin, from, to, kMinStep * cell_mm);
-    const double at_ends_mm = std::max({-gap_mm(at_origin, from), -gap_mm(at_origin, to), 0.0});
-    excess_mm[std::size_t(k)] = deepest - at_ends_mm;
+    excess_mm[std::size_t(k)] = deepest - std::max(-gap_mm(at_origin, to), 0.0);
   });
   const auto maximum = std::max_element(excess_mm.begin(), excess_mm.end());
   if (maximum == excess_mm.end() || *maximum <= kCells * cell_mm) return std::nullopt;

@@ -14,9 +14,10 @@ namespace lefort::contact {
 /// Contact terms evaluate single states. If a body is in front of tissue in one state and behind it
 /// in the next, it touches the tissue in neither state, and both states are in equilibrium. This
 /// check follows each node and face center on a straight line, relative to the body, from one state
-/// to the next. The penetration on the way must not exceed those at both ends by more than twice
-/// the resolution of the distance query. The check also finds points that slide too far around a
-/// convex part of the body. Points that move by at most twice the resolution are not checked.
+/// to the next. For a point that starts outside the body, the penetration on the way must not
+/// exceed the penetration at the end by more than twice the resolution of the distance query. The
+/// check also finds points that slide too far around a convex part of the body. Points that move by
+/// at most twice the resolution are not checked.
 /// \param obstacle   at its pose in the second state.
 /// \param faces      that the body may touch.
 /// \param from_X_LB  pose of the body in the first state.

@@ -1,4 +1,3 @@
-#include <lefort/contact/bone_passage.h>
 #include <lefort/contact/contact_term.h>
 #include <lefort/contact/rest_gap.h>
 #include <lefort/contact/step_bound.h>
@@ -183,10 +182,6 @@ double ContactTerm::passed_fraction(const RigidTransform& from_X_LB, std::span<c
 std::optional<std::string> ContactTerm::rejection_reason(const RigidTransform& from_X_LB,
                                                          std::span<const Vec3> from_L,
                                                          std::span<const Vec3> to_L) const {
-  if (const auto at_L = find_passage(obstacle_, faces_, from_X_LB, from_L, to_L))
-    return fmt::format(
-        "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, passed through {} in one increment", at_L->x(),
-        at_L->y(), at_L->z(), options_.name);
   const double fraction = passed_fraction(from_X_LB, from_L, to_L);
   if (fraction <= kMaxPassedFraction) return std::nullopt;
   return fmt::format("{:.1f} % of the tissue in {} passed through thin bone in one increment",

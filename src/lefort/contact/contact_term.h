@@ -83,9 +83,9 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param from_X_LB  pose of the bone in the last equilibrium.
   /// \param from_L     positions of all nodes in the last equilibrium [mm].
   /// \param to_L       positions of all nodes in the present one [mm].
-  /// \returns why the present equilibrium is rejected: the bone passed through a face
-  ///   (bone_passage.h), or more than 2 % of the tissue in the bone has passed through thin bone
-  ///   (step_bound.h); nothing otherwise.
+  /// \returns why the present equilibrium is rejected: more than 2 % of the tissue in the bone has
+  ///   passed through thin bone (step_bound.h); nothing otherwise. find_passage() (bone_passage.h)
+  ///   is for long increments, in which a bone can pass a face without touching it in the end.
   [[nodiscard]] std::optional<std::string> rejection_reason(const RigidTransform& from_X_LB,
                                                             std::span<const Vec3> from_L,
                                                             std::span<const Vec3> to_L) const;

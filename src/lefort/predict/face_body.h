@@ -116,7 +116,7 @@ class FaceBody {
   void note_rest_penetration(double inside_mm, const std::string& bone, Progress& progress);
   void add_supports(const std::vector<contact::RigidObstacle>& bones);
   [[nodiscard]] Result<void> make_assembler();
-  /// Solves with contact by quadrature; rejects an equilibrium after a passage (bone_passage.h).
+  /// Solves with contact by quadrature; rejects an equilibrium by ContactTerm::rejection_reason().
   [[nodiscard]] fem::NewtonOutcome solve_with_quadrature(
       const FaceEquilibrium& last, const VectorX& start,
       const std::function<fem::NewtonOutcome(const VectorX& from, int max_iterations)>& solve);

@@ -2,6 +2,7 @@
 /// The equations of a deck: its force terms, with loads and poses that depend on time.
 #pragma once
 
+#include <lefort/contact/bone_passage.h>
 #include <lefort/contact/contact_surface.h>
 #include <lefort/contact/contact_term.h>
 #include <lefort/contact/weighted_contact_term.h>
@@ -12,6 +13,8 @@
 #include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/deck_loads.h>
 #include <lefort/solve/run_deck.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -71,8 +74,16 @@ class Problem {
     const std::vector<Vec3> from_L = contact::displaced(prepared_.mesh.nodes_L, last.u);
     const std::vector<Vec3> to_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
     for (std::size_t n = 0; n < contacts_.size() && outcome.converged(); ++n) {
-      const geometry::RigidPath& path = prepared_.deck.obstacles[contact_obstacles_[n]].path;
-      if (auto why = contacts_[n].rejection_reason(geometry::pose_at(path, last.t), from_L, to_L)) {
+      const std::size_t i = contact_obstacles_[n];
+      const RigidTransform from_X_LB = geometry::pose_at(prepared_.deck.obstacles[i].path, last.t);
+      auto why = contacts_[n].rejection_reason(from_X_LB, from_L, to_L);
+      if (const auto at_L = contact::find_passage(obstacles_[i], prepared_.obstacle_faces[i],
+                                                  from_X_LB, from_L, to_L))
+        why = fmt::format(
+            "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, passed through obstacle {} in one "
+            "increment",
+            at_L->x(), at_L->y(), at_L->z(), prepared_.deck.obstacles[i].name);
+      if (why) {
         outcome.stop = fem::NewtonStop::kRejected;
         outcome.reason = *std::move(why);
       }
