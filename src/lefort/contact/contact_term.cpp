@@ -266,7 +266,9 @@ ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
   parallel_for(Index(faces_.size()), [&](Index n) {
     const auto face = std::size_t(n);
     depths[face] = depths_of_face(face, x_L);
-    if (!depths[face].empty())
+    const PatchPositions x(surface_.patch(face).span(), x_L);
+    const double bound = face_quadrature(surface_.patch(face).rule).displacement_bound;
+    if (!clearance_.is_out_of_range(face, obstacle_, x.span(), bound))
       for_each_point(face, x_L,
                      [&](const PointGap& at) { points[face].push_back(contact_at(at)); });
   });
