@@ -18,6 +18,7 @@ namespace lefort::verify {
 [[nodiscard]] Section verify_torsion(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_bulging(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_bending(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_cardiac(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_hertz(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_punch(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_ironing(Extent extent, Progress& progress);

@@ -142,7 +142,8 @@ mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers, d
         const Eigen::Vector2d at = in_plane(p.x(), p.y());
         return turned({at.x(), at.y(), length_mm * p.z()}, quarter);
       }));
-      parts.back().face_sets.clear();
+      auto& sets = parts.back().face_sets;
+      std::erase_if(sets, [](const auto& set) { return set.first != "z0" && set.first != "z1"; });
     };
     add([&](double x, double y) { return on_core(x, y); });
     // From the sides x = 1 and y = 1 of the core to the surface.

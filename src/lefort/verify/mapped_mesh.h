@@ -41,6 +41,7 @@ namespace lefort::verify {
 
 /// sqrt(x^2 + y^2) <= radius, 0 <= z <= length: a core with four sides, `cells` from the axis to
 /// its sides and as many from there to the surface, in each of four quarters; `layers` along z.
+/// Face sets "z0" and "z1".
 [[nodiscard]] mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers,
                                             double radius_mm, double length_mm);
 

@@ -10,13 +10,21 @@ namespace lefort::verify {
 namespace {
 
 constexpr std::array kCases{
-    Case{"patch", verify_patch},         Case{"convergence", verify_convergence},
-    Case{"laws", verify_laws},           Case{"newton", verify_newton},
-    Case{"inf-sup", verify_inf_sup},     Case{"cook", verify_cook},
-    Case{"inflation", verify_inflation}, Case{"torsion", verify_torsion},
-    Case{"bulging", verify_bulging},     Case{"bending", verify_bending},
-    Case{"hertz", verify_hertz},         Case{"punch", verify_punch},
-    Case{"ironing", verify_ironing},     Case{"uncertainty", verify_uncertainty},
+    Case{"patch", verify_patch},
+    Case{"convergence", verify_convergence},
+    Case{"laws", verify_laws},
+    Case{"newton", verify_newton},
+    Case{"inf-sup", verify_inf_sup},
+    Case{"cook", verify_cook},
+    Case{"inflation", verify_inflation},
+    Case{"torsion", verify_torsion},
+    Case{"bulging", verify_bulging},
+    Case{"bending", verify_bending},
+    Case{"cardiac", verify_cardiac},
+    Case{"hertz", verify_hertz},
+    Case{"punch", verify_punch},
+    Case{"ironing", verify_ironing},
+    Case{"uncertainty", verify_uncertainty},
 };
 
 }  // namespace
