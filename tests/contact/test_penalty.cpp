@@ -73,24 +73,23 @@ TEST_P(PressureLaws, GradientAndHessianAreThoseOfTheEnergy) {
 /// Hessian of a gap whose gradient is along x.
 Mat3 curved(double xx, double yy, double zz) { return Vec3(xx, yy, zz).asDiagonal(); }
 
-TEST(Penalty, PsdProjectedHessianOmitsTheNegativePartOnConvexBone) {
+TEST_P(PressureLaws, PsdProjectedHessianOmitsTheNegativePartOnConvexBone) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 bulge = curved(0.0, 0.5, 0.25);
-  EXPECT_LT(penalty_response(1.0, n, bulge, {kStiffness}).hessian_mpa_per_mm(1, 1), 0.0);
-  EXPECT_LT(
-      (psd_projected_hessian(1.0, n, bulge, {kStiffness}) - 2.0 * kStiffness * n * n.transpose())
-          .norm(),
-      1e-15);
+  const double slope = pressure_slope_mpa_per_mm(1.0, GetParam());
+  EXPECT_LT(penalty_response(1.0, n, bulge, GetParam()).hessian_mpa_per_mm(1, 1), 0.0);
+  EXPECT_LT((psd_projected_hessian(1.0, n, bulge, GetParam()) - slope * n * n.transpose()).norm(),
+            1e-15);
 }
 
-TEST(Penalty, PsdProjectedHessianIsExactOnConcaveBone) {
+TEST_P(PressureLaws, PsdProjectedHessianIsExactOnConcaveBone) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 hollow = curved(0.0, -0.5, -0.25);
-  EXPECT_LT((psd_projected_hessian(1.0, n, hollow, {kStiffness}) -
-             penalty_response(1.0, n, hollow, {kStiffness}).hessian_mpa_per_mm)
+  EXPECT_LT((psd_projected_hessian(1.0, n, hollow, GetParam()) -
+             penalty_response(1.0, n, hollow, GetParam()).hessian_mpa_per_mm)
                 .norm(),
             1e-15);
-  EXPECT_EQ(psd_projected_hessian(-0.1, n, hollow, {kStiffness}), Mat3::Zero());
+  EXPECT_EQ(psd_projected_hessian(-0.1, n, hollow, GetParam()), Mat3::Zero());
 }
 
 }  // namespace

@@ -200,8 +200,9 @@ Slid slide_ridge(int increments) {
   return slid;
 }
 
-TEST(WeightedContact, ASharpRidgeStaysOutside) {
+TEST(WeightedContact, ASharpRidgeStaysOutsideAndItsForceDoesNotDependOnTheIncrements) {
   const Slid coarse = slide_ridge(4), fine = slide_ridge(8);
+  EXPECT_LT((coarse.force_n - fine.force_n).norm(), 0.01 * fine.force_n.norm());
   EXPECT_GT(fine.force_n.norm(), 0.1);
   EXPECT_GT(coarse.force_n.norm(), 0.1);
   EXPECT_LE(coarse.deepest_mm, 0.02);
