@@ -1,4 +1,3 @@
-#include <lefort/predict/face_preview.h>
 #include <lefort/predict/interface_supports.h>
 #include <lefort/predict/predict_face.h>
 
@@ -175,37 +174,6 @@ TEST(InterfaceSupports, SlidingAndElevatedTissueDoNotFollowTheMotionAlongTheBone
   EXPECT_EQ(moved(elevated, -0.5), Vec3::Zero());
   EXPECT_GT(moved(elevated, 0.5).z(), 0.4);
   EXPECT_LT(std::abs(moved(elevated, 0.5).x()), 0.1);
-}
-
-/// Pulls and pushes the block.
-void expect_preview_is_prediction(const FaceModel& model, const PredictionOptions& options) {
-  const FacePreview preview(
-      make_preview_model(model, test::surface_of(model), {}, {}, Vec3::Ones()).value());
-  for (const Vec3& by_mm : {Vec3(0.05, 0.03, -0.1), Vec3(0.05, 0.03, 0.1)}) {
-    const auto prediction = predict_face(model, {test::straight(by_mm, 1)}, options).value();
-    ASSERT_TRUE(prediction.converged());
-    RigidTransform pose = RigidTransform::Identity();
-    pose.translation() = by_mm;
-    const auto preview_mm = preview.displacement_mm(std::array{pose}).value();
-    for (const std::int32_t node : model.tissue.node_sets.at("boundary"))
-      EXPECT_LT((preview_mm[std::size_t(node)] -
-                 prediction.steps.back().displacement_mm[std::size_t(node)])
-                    .norm(),
-                0.005);
-  }
-}
-
-TEST(InterfaceSupports, PreviewOfSlidingTissueThatMaySeparateIsThePredictionToFirstOrder) {
-  FaceModel model = block_with(Condition::kSliding);
-  model.tissue.face_sets.at(sets::kContact).clear();  // The springs alone.
-  for (NodeInterface& one : model.interface.nodes) one.may_separate = true;
-  expect_preview_is_prediction(model, {});
-}
-
-TEST(InterfaceSupports, PreviewOfElevatedTissueIsThePredictionToFirstOrder) {
-  PredictionOptions options;
-  options.contact.penetration_tolerance_mm = 0.001;
-  expect_preview_is_prediction(block_with(Condition::kElevated), options);
 }
 
 }  // namespace

@@ -262,8 +262,9 @@ TEST(SeveralSegments, ErrorsNameTheSegment) {
 TEST(SeveralSegments, ThePreviewMovesEach) {
   const FaceModel model = two_separate();
   const geometry::TriangleMesh skin_L = test::surface_of(model);
-  const FacePreview preview(
-      make_preview_model(model, skin_L, {}, test::paper_boundary(), Vec3::Ones()).value());
+  const FacePreview preview =
+      FacePreview::create(model, {"left", "right"}, skin_L, test::paper_options(), Vec3::Ones())
+          .value();
   ASSERT_EQ(preview.segment_count(), 2U);
   const auto shifted = [](const Vec3& by_mm) {
     RigidTransform pose = RigidTransform::Identity();

@@ -5,7 +5,6 @@
 ///      | tissue |  z = 9
 ///      |________|  z = 0
 ///    |stationary bone|
-#include <lefort/predict/face_preview.h>
 #include <lefort/predict/predict_face.h>
 
 #include <gtest/gtest.h>
@@ -180,14 +179,6 @@ TEST(StationaryContact, IsNamedByTheLabelAndNotFixed) {
       return std::binary_search(slides.begin(), slides.end(), node);
     }));
   }
-}
-
-TEST(StationaryContact, IsNotPreviewed) {
-  const FaceModel model = sliding_block();
-  const auto preview = make_preview_model(model, test::make_box({0, 0, 0}, {1, 1, 1}), {},
-                                          test::paper_boundary(), Vec3::Ones());
-  ASSERT_FALSE(preview);
-  EXPECT_NE(preview.error().message.find("painted as contact"), std::string::npos);
 }
 
 }  // namespace

@@ -661,8 +661,8 @@ TEST(CaseApi, AFailedJobMakesNoOlderResultFresh) {
   plan["segments"][1]["name"] = "other";
   ASSERT_EQ(api.put("/plan", plan).status, 200);
   const fs::path preview = api.folder / "case/preview", prediction = api.folder / "case/prediction";
-  for (const fs::path& file : {preview / "preview.json", preview / "face.preview",
-                               prediction / "prediction.json", prediction / "failure.json"}) {
+  for (const fs::path& file :
+       {preview / "preview.json", prediction / "prediction.json", prediction / "failure.json"}) {
     fs::create_directories(file.parent_path());
     std::ofstream(file) << "{}";
   }
@@ -672,7 +672,7 @@ TEST(CaseApi, AFailedJobMakesNoOlderResultFresh) {
     EXPECT_EQ(api.get("/case")["stages"][stage]["state"], "failed") << stage;
   }
   EXPECT_EQ(api.call_api("GET", "/prediction").status, 404);
-  EXPECT_FALSE(fs::exists(preview / "face.preview"));
+  EXPECT_FALSE(fs::exists(preview / "preview.json"));
 }
 
 /// Whether events report the iterations of the document, each before the end of its step, and match

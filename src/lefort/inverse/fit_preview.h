@@ -24,8 +24,8 @@ struct PreviewFit {
 inline constexpr double kMaxFit_mm = 20.0;
 
 /// Minimizes the distance along `axes_L` between the displacement of a vertex and the wanted one by
-/// translations of one segment along the same axes: Levenberg-Marquardt's method with differences
-/// of the preview, which is piecewise linear. Costs some evaluations of the preview per axis.
+/// translations of one segment along the same axes: Levenberg-Marquardt's method with the
+/// derivatives of the equilibrium. Costs up to six equilibria.
 ///
 /// \param preview    of the face.
 /// \param X_LB       present pose of each segment.

@@ -1,5 +1,5 @@
 /// \file
-/// Landmarks, the check of a plan, its cut bones and the preview of its face.
+/// Landmarks, the check of a plan, and its cut bones.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -78,23 +78,5 @@ struct CutJob {
 /// \returns the summary; the errors of io::read_plan(), scan_head(), plan::cut_segments() and
 ///   find_field(); or kFileUnwritable.
 [[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
-
-struct PreviewJob {
-  std::filesystem::path plan;
-  std::filesystem::path ct;
-  std::filesystem::path cache;   ///< As of CutJob.
-  std::filesystem::path skin;    ///< skin.vtp of segment_scan(); the preview displaces it.
-  std::filesystem::path output;  ///< A folder; made if missing.
-};
-
-/// Writes the linear model of the response of the face to any motion of the segments. preview.json
-/// is written last.
-///
-/// \returns the summary, or
-///   - the errors of io::read_plan_text(), io::read_surface() and prepare_case();
-///   - kPlanInvalid     the skin was made with other thresholds or labels than the plan's;
-///   - the errors of predict::make_preview_model();
-///   - kFileUnwritable  a result cannot be written.
-[[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

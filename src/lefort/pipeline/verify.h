@@ -51,6 +51,21 @@ struct LandmarkBenchJob {
 ///   find_head_landmarks(); or kFileUnwritable.
 [[nodiscard]] Result<Summary> bench_landmarks(const LandmarkBenchJob& job, Progress& progress);
 
+struct PreviewBenchJob {
+  std::filesystem::path plan;
+  std::filesystem::path ct;
+  std::filesystem::path output;  ///< A folder, made if missing: preview_bench.json and the cache.
+  std::optional<std::filesystem::path> prediction;  ///< Folder of a prediction of the same plan.
+  double frame_mm = 1.0;  ///< Motion of the segments between two updates, > 0.
+};
+/// Measures the preview of the face: seconds of each update while the segments move along their
+/// paths, of a jump from rest to the end, and the distance from the prediction.
+///
+/// \returns the figures; kInvalidArgument if the prediction is of another skin; kCancelled; or the
+///   errors of io::read_plan_text(), prepare_case(), predict::FacePreview, io::read_surface() and
+///   io::write_text().
+[[nodiscard]] Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress);
+
 struct VerifyJob {
   std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
   bool full = false;             ///< All meshes of the report; otherwise those of the test.

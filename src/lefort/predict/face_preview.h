@@ -1,89 +1,102 @@
 /// \file
-/// Interactive linear preview of the face for given segment poses.
+/// Interactive preview of the face: the equilibrium of a coarse model, kept live while bones are
+/// moved.
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
-#include <lefort/linear/sparse_matrix.h>
+#include <lefort/geometry/triangle_mesh.h>
 #include <lefort/predict/embed_skin.h>
+#include <lefort/predict/face_model.h>
 #include <lefort/predict/predict_face.h>
-#include <lefort/predict/prediction_options.h>
 
-#include <array>
-#include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lefort::predict {
 
-/// The linearized face at rest. A value.
-struct PreviewModel {
-  /// Tangent of the tissue at rest on its free components, lower triangle [N/mm].
-  linear::SparseMatrix stiffness_n_per_mm;
-  std::vector<std::int32_t> first_row;  ///< First of the three rows of each node; -1 if fixed.
+/// The mesh of a preview: linear elements of at least 6 mm near the segments and 12 mm far from
+/// them, without separate mucosa and without finer lips and nose.
+///
+/// \param fine  of the plan; materials are unchanged.
+[[nodiscard]] TissueOptions preview_tissue(const TissueOptions& fine);
 
-  /// A support of a node in one direction: by a segment, by stationary bone or in a plane.
-  struct Support {
-    std::int32_t segment = 0;         ///< Its index, in the order of the plan; -1: stationary.
-    std::int32_t row = 0;             ///< First of the three rows of its node.
-    Vec3 point_L = Vec3::Zero();      ///< At rest.
-    Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone if unilateral.
-    bool is_bilateral = false;        ///< Pulls too; bonded tissue has three of these.
-    double n_per_mm = 0.0;            ///< Stiffness; 0: support_n_per_mm.
-    double motion_fraction = 1.0;     ///< Of the segment's motion that the support follows.
-  };
-  std::vector<Support> supports;
-  double support_n_per_mm = 0.0;  ///< Stiffness of supports with n_per_mm = 0.
-  std::int32_t segment_count = 1;
-  SkinEmbedding skin;
+/// Displacement of a vertex of the skin, and its derivative by the translation of a segment.
+struct VertexMotion {
+  Vec3 displacement_mm = Vec3::Zero();
+  Mat3 by_translation = Mat3::Zero();  ///< Column a: by a translation along axis a of L.
 };
 
-/// \param model       the face at rest.
-/// \param skin_L      the surface whose displacement is computed.
-/// \param tissue      materials and element size.
-/// \param boundary    its interface is used.
-/// \param spacing_mm  of the scan.
-/// \returns the model; or
-///   - kAnatomyMissing   no tissue lies on a segment, nothing is fixed, or no segment supports
-///     tissue;
-///   - kPlanInvalid      tissue is painted as contact, and the interface is not kClinical;
-///   - kInvalidArgument  a material constant lies outside its range;
-///   - what fem::make_element_terms() returns.
-[[nodiscard]] Result<PreviewModel> make_preview_model(const FaceModel& model,
-                                                      const geometry::TriangleMesh& skin_L,
-                                                      const TissueOptions& tissue,
-                                                      const BoundaryOptions& boundary,
-                                                      const Vec3& spacing_mm);
-
-/// Small-strain elasticity with the tangent at rest. With kContact a segment pushes the tissue on
-/// it along the normal of the bone at rest; the tissue slides, and lifts off where the bone
-/// retreats. With kClinical the interface map gives the elastic supports. Bonded tissue, and tissue
-/// painted to move with a segment, moves with the bone. Tissue touches only bone on which it lies
-/// at rest, and the lips do not touch each other. The difference from a prediction therefore grows
-/// with the motion.
+/// The equation of a prediction on a coarse mesh: large strains, contact by quadrature, supports
+/// and lips as in predict_face(). Only the size of the elements and the tolerance of the equilibrium
+/// differ. Each call starts from the last equilibrium, or from rest if that is closer, so that a
+/// small motion takes a few iterations of Newton's method; the factor of an earlier tangent
+/// preconditions their linear systems. Contact has no history, so the starting point changes the
+/// result by less than the tolerance of the equilibrium, unless the tissue has several equilibria.
 ///
 /// Thread-safe; calls run one at a time.
 class FacePreview {
  public:
-  explicit FacePreview(PreviewModel model);
+  /// \param model       the face at rest, on the mesh of preview_tissue(). Obstacles of a finer mesh
+  ///   may be used.
+  /// \param names       of its segments, for messages.
+  /// \param skin_L      the surface whose displacement is computed.
+  /// \param options     with preview_tissue(). Contact is always by quadrature with the smooth
+  ///   field; the relative tolerance is at least 3e-3.
+  /// \param spacing_mm  of the scan.
+  /// \param progress    receives warnings.
+  /// \returns the preview at rest, or the errors of FaceResponse::create().
+  [[nodiscard]] static Result<FacePreview> create(FaceModel model, std::vector<std::string> names,
+                                                  const geometry::TriangleMesh& skin_L,
+                                                  PredictionOptions options, const Vec3& spacing_mm,
+                                                  Progress& progress = Progress::none());
   ~FacePreview();
   FacePreview(FacePreview&&) noexcept;
   FacePreview& operator=(FacePreview&&) noexcept;
 
   /// \param X_LB  pose of each segment, in the order of the plan.
-  /// \returns the displacement of each skin vertex [mm]; kOutOfMemory or kNotConverged if the
-  ///   equations cannot be solved.
-  /// \note The first call factorizes; later calls iterate with that factor.
+  /// \returns the displacement of each skin vertex [mm]; or the errors of FaceResponse::solve(),
+  ///   after which the last equilibrium is kept.
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
       std::span<const RigidTransform> X_LB) const;
 
+  /// \param segment  that is translated.
+  /// \param vertex   of the skin.
+  /// \returns its motion at `X_LB`, or the errors of FaceResponse::solve() and
+  ///   FaceResponse::sensitivities().
+  [[nodiscard]] Result<VertexMotion> vertex_motion(std::span<const RigidTransform> X_LB,
+                                                   std::size_t segment, Index vertex) const;
+
   [[nodiscard]] Index vertex_count() const;
   [[nodiscard]] std::size_t segment_count() const;
+  [[nodiscard]] Index element_count() const;
+  /// Newton iterations of all calls since construction.
+  [[nodiscard]] Index newton_iterations() const;
 
  private:
-  struct Solver;
-  std::unique_ptr<Solver> solver_;
+  struct Live;
+  explicit FacePreview(std::unique_ptr<Live> live);
+  std::unique_ptr<Live> live_;
 };
+
+/// Differences between a preview and the full solution, at vertices that the full solution moves by
+/// more than 0.5 mm.
+struct PreviewDistance {
+  Index moved_vertices = 0;
+  double p50_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
+  double max_shift_mm = 0.0;  ///< Of the full solution.
+};
+
+/// Compares a preview with the full solution.
+///
+/// \param preview_mm  displacement of each vertex in the preview.
+/// \param before_L    vertices of the skin before surgery, as many as in `preview_mm`.
+/// \param after_L     the same vertices in the full solution.
+[[nodiscard]] PreviewDistance measure_preview(std::span<const Vec3> preview_mm,
+                                              std::span<const Vec3> before_L,
+                                              std::span<const Vec3> after_L);
 
 }  // namespace lefort::predict

@@ -84,12 +84,11 @@ std::vector<Vec3> FaceState::displacement_mm() const {
   return vectors;
 }
 
-Result<std::unique_ptr<FaceResponse>> FaceResponse::create(const FaceModel& model,
-                                                           std::vector<std::string> names,
-                                                           const PredictionOptions& options,
-                                                           Progress& progress) {
+Result<std::unique_ptr<FaceResponse>> FaceResponse::create(
+    const FaceModel& model, std::vector<std::string> names, const PredictionOptions& options,
+    Progress& progress, const linear::LinearSolverOptions& linear) {
   LEFORT_CHECK(names.size() == model.segments.size());
-  std::unique_ptr<FaceResponse> response(new FaceResponse(options));
+  std::unique_ptr<FaceResponse> response(new FaceResponse(options, linear));
   LEFORT_TRY(const DistanceQueries distance_queries_B,
              bone_distance_queries(model.segments, options.contact.detection));
   LEFORT_TRY_VOID(check_query_range(paths_at_rest(names), model.segments, distance_queries_B,
@@ -149,8 +148,8 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
   };
   // An iterative solver keeps its state within one solve only, so that results do not depend on
   // earlier ones.
-  if (body_->assembler().dofs().free_count() > linear::LinearSolverOptions{}.direct_rows)
-    linear_solver_ = linear::LinearSolver();
+  if (body_->assembler().dofs().free_count() > linear_.direct_rows)
+    linear_solver_ = linear::LinearSolver(linear_);
   FaceEquilibrium last = start.at;
   fem::LoadStepper stepper(
       fem::LoadState{0.0, start.at.u},

@@ -55,10 +55,12 @@ class FaceResponse {
   /// \param names     of its segments, for messages.
   /// \param options   materials, boundary, contact and solver.
   /// \param progress  receives warnings.
+  /// \param linear    solver of the equilibrium. With kReusedFactor the result depends, within the
+  ///   tolerance, on earlier solves.
   /// \returns the errors of predict_face(), except those of paths.
   [[nodiscard]] static Result<std::unique_ptr<FaceResponse>> create(
       const FaceModel& model, std::vector<std::string> names, const PredictionOptions& options,
-      Progress& progress = Progress::none());
+      Progress& progress = Progress::none(), const linear::LinearSolverOptions& linear = {});
 
   /// \returns the state in which no segment has moved.
   [[nodiscard]] FaceState at_rest() const;
@@ -101,7 +103,8 @@ class FaceResponse {
   [[nodiscard]] Index newton_iterations() const { return newton_iterations_; }
 
  private:
-  explicit FaceResponse(const PredictionOptions& options) : options_(options) {}
+  FaceResponse(const PredictionOptions& options, const linear::LinearSolverOptions& linear)
+      : options_(options), linear_(linear), linear_solver_(linear) {}
 
   [[nodiscard]] int increment_count(const std::vector<RigidTransform>& from_X_LB,
                                     const std::vector<RigidTransform>& to_X_LB) const;
@@ -112,6 +115,7 @@ class FaceResponse {
   [[nodiscard]] Result<VectorX> solve_linear(const VectorX& b);
 
   PredictionOptions options_;
+  linear::LinearSolverOptions linear_;
   std::unique_ptr<FaceBody> body_;
   std::vector<Vec3> centers_B_;    ///< Centroid of the vertices of each segment.
   std::vector<double> radius_mm_;  ///< Largest distance of a vertex from it.

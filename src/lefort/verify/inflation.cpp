@@ -152,7 +152,11 @@ const char* name_of_vessel(Vessel vessel) {
   return vessel == Vessel::kCylinder ? "cylinder" : "sphere";
 }
 
-std::vector<int> vessel_meshes(Vessel vessel, Extent extent) {
+/// Cells across the wall. A finest mesh of tet10 with eight across the sphere needs ten minutes.
+std::vector<int> vessel_meshes(Vessel vessel, mesh::ElementShape shape, Extent extent) {
+  if (vessel == Vessel::kCylinder && extent == Extent::kFull && degree(shape) == 2)
+    return {2, 4, 8};
+  if (vessel == Vessel::kSphere && shape == mesh::ElementShape::kTet10) return {2, 4};
   const bool full = extent == Extent::kFull;
   return vessel == Vessel::kCylinder ? (full ? std::vector{2, 4, 8, 16} : std::vector{2, 4, 8})
                                      : (full ? std::vector{2, 4, 8} : std::vector{2, 4});
@@ -176,7 +180,7 @@ void inflate(Vessel vessel, mesh::ElementShape shape, Extent extent, double want
   report::PlotLine line{.name = text_of(shape)};
   std::vector<double> errors;
   std::string failure;
-  for (const int n : vessel_meshes(vessel, extent)) {
+  for (const int n : vessel_meshes(vessel, shape, extent)) {
     const auto found = radius_error(vessel, shape, n, wanted_mm, progress);
     if (!found) failure = found.error().message;
     if (!found) break;
@@ -190,6 +194,7 @@ void inflate(Vessel vessel, mesh::ElementShape shape, Extent extent, double want
     section.checks.push_back(not_measured(name, failure));
     return;
   }
+  row.resize(table.header.size() - 1);  // Meshes that are left out.
   row.push_back(fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back())));
   table.rows.push_back(std::move(row));
   plot.lines.push_back(std::move(line));
@@ -197,8 +202,7 @@ void inflate(Vessel vessel, mesh::ElementShape shape, Extent extent, double want
       name, errors,
       {.order = averaged_order(shape),
        .order_reason = "at least p + 1, or one less for constant pressures",
-       .known_failure =
-           extent == Extent::kFull ? "" : "the meshes of the short form are too coarse for it"},
+       .known_failure = errors.size() > 2 ? "" : "two meshes only, which are too coarse for it"},
       section);
 }
 
@@ -232,7 +236,7 @@ Section verify_inflation(Extent extent, Progress& progress) {
     check_reference_radius(vessel, wanted_mm, section);
     Table table{.title = fmt::format("{}: error of the inner radius over its growth", what),
                 .header = {"shape"}};
-    for (const int n : vessel_meshes(vessel, extent))
+    for (const int n : vessel_meshes(vessel, mesh::ElementShape::kHex8, extent))
       table.header.push_back(fmt::format("{} cells across", n));
     table.header.emplace_back("order");
     report::LinePlot plot{.title = fmt::format("Inflated {}: error of the inner radius", what),

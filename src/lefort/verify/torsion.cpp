@@ -110,7 +110,7 @@ Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
 /// from 1, 2 and 3 cells on.
 std::vector<int> column_meshes(mesh::ElementShape shape, Extent extent) {
   using enum mesh::ElementShape;
-  if (extent == Extent::kFull && shape == kTet10) return {3, 6};
+  if (extent == Extent::kFull && shape == kTet10) return {2, 4};
   if (extent == Extent::kFull) return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
   if (shape == kTet4 || shape == kTet10 || shape == kWedge15) return {};
   return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};

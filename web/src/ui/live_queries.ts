@@ -52,7 +52,7 @@ export class LiveQueries {
     loop.running = false;
   }
 
-  /** Requests the linearized face for the current poses; `since` is the time when the drag ended. */
+  /** Requests the face for the current poses; `since` is the time when the drag ended. */
   async requestPreview(since: number): Promise<void> {
     const { s } = this.planner.model;
     this.previewAborter?.abort();

@@ -153,6 +153,33 @@ void add_landmarks(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_preview(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::PreviewBenchJob>();
+  CLI::App* const command = bench.add_subcommand(
+      "preview", "Measure the preview of the face while the bones of a plan move");
+  mark_path(command->add_option("plan", job->plan, "The plan"), PathKind::kPlan)->required();
+  mark_path(command->add_option("--ct", job->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for preview_bench.json and the cached stages"),
+            PathKind::kNewFolder)
+      ->required();
+  mark_path(command->add_option("--prediction", job->prediction,
+                                "Result folder of `lefort predict` with the same plan and scan: "
+                                "the preview is compared with it"),
+            PathKind::kFolder);
+  command->add_option("--frame", job->frame_mm, "Motion between two updates [mm]")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  command->footer(
+      "Example:\n  lefort bench preview plan.json --ct ct.nrrd --prediction forward/ -o preview/");
+  command->callback([job, &context] {
+    context.run("bench preview",
+                [&](Progress& progress) { return pipeline::bench_preview(*job, progress); });
+  });
+}
+
 void add_detection(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::DetectionOptions>();
   CLI::App* const command = bench.add_subcommand(
@@ -256,6 +283,7 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   add_scaling(*bench, context);
   add_convergence(*bench, context);
   add_landmarks(*bench, context);
+  add_preview(*bench, context);
   add_detection(*bench, context);
   add_field_task(*bench, context);
   add_solve(*bench, context);

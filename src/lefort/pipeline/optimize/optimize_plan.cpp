@@ -53,16 +53,10 @@ struct Model {
   inverse::LiveFace live;
 };
 
-std::vector<std::string> names_of(const PreparedCase& prepared) {
-  std::vector<std::string> names;
-  for (const geometry::RigidPath& path : prepared.paths()) names.push_back(path.segment);
-  return names;
-}
-
 Result<void> bring_to_life(Model& model, const PreparedCase& prepared,
                            const predict::PredictionOptions& options, Progress& progress) {
-  LEFORT_TRY(model.response,
-             predict::FaceResponse::create(model.face, names_of(prepared), options, progress));
+  LEFORT_TRY(model.response, predict::FaceResponse::create(model.face, prepared.segment_names(),
+                                                           options, progress));
   model.live = {model.response.get(),
                 predict::embed_skin(
                     prepared.skin_L, model.face.tissue,
@@ -85,7 +79,7 @@ Result<inverse::BoneClearance> clearance_of(const PreparedCase& prepared, double
   LEFORT_TRY(const auto field,
              find_field("remainder", remainder_L, overlap_field_options(prepared.plan, remainder_L),
                         cache, progress));
-  const std::vector<std::string> names = names_of(prepared);
+  const std::vector<std::string> names = prepared.segment_names();
   std::vector<predict::MovingBone> bones;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const predict::ContactBone& segment = prepared.model.segments[k];

@@ -323,10 +323,14 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                       std::move(painted)};
 }
 
-Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
-                                        const predict::TissueOptions& tissue,
-                                        const predict::BoundaryOptions& boundary,
-                                        const StageCache& cache, Progress& progress) {
+namespace {
+
+/// \param obstacles  options of the mesh whose elements the obstacles resolve.
+Result<predict::FaceModel> remodel(const PreparedCase& prepared,
+                                   const predict::TissueOptions& tissue,
+                                   const predict::TissueOptions& obstacles,
+                                   const predict::BoundaryOptions& boundary,
+                                   const StageCache& cache, Progress& progress) {
   LEFORT_TRY(Tissue made,
              make_tissue({prepared.head, prepared.skin_L, prepared.cut, prepared.plan.segments,
                           prepared.painted ? &*prepared.painted : nullptr, prepared.plan.landmarks},
@@ -341,8 +345,23 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
   LEFORT_TRY_VOID(
-      find_obstacles(model, prepared.plan, tissue, boundary.interface, cache, progress));
+      find_obstacles(model, prepared.plan, obstacles, boundary.interface, cache, progress));
   return model;
+}
+
+}  // namespace
+
+Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
+                                        const predict::TissueOptions& tissue,
+                                        const predict::BoundaryOptions& boundary,
+                                        const StageCache& cache, Progress& progress) {
+  return remodel(prepared, tissue, tissue, boundary, cache, progress);
+}
+
+Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
+                                         const predict::TissueOptions& tissue,
+                                         const StageCache& cache, Progress& progress) {
+  return remodel(prepared, tissue, prepared.plan.tissue, prepared.plan.boundary, cache, progress);
 }
 
 }  // namespace lefort::pipeline

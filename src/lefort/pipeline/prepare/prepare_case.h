@@ -54,6 +54,13 @@ struct PreparedCase {
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
     return plan::paths_of(plan.segments);
   }
+  /// Names of the segments, in the order of the plan.
+  [[nodiscard]] std::vector<std::string> segment_names() const {
+    std::vector<std::string> names;
+    for (const plan::PlannedSegment& segment : plan.segments)
+      names.push_back(segment.osteotomy.segment);
+    return names;
+  }
   [[nodiscard]] int steps() const { return geometry::steps_of(paths()); }
 };
 
@@ -70,6 +77,15 @@ struct PreparedCase {
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
+
+/// The model of a preview of a prepared case, with the obstacles of the plan's own mesh.
+///
+/// \param tissue  predict::preview_tissue().
+/// \returns as remodel_face().
+[[nodiscard]] Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
+                                                       const predict::TissueOptions& tissue,
+                                                       const StageCache& cache,
+                                                       Progress& progress);
 
 /// Makes the model of a prepared case again with another mesh or interface; bones and the fields of
 /// segments are those of the case.

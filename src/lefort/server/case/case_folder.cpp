@@ -295,7 +295,7 @@ Result<void> CaseFolder::forget_result(std::string_view stage) const {
   std::vector<fs::path> documents;
   if (stage == "cut") documents = {cut() / "cut.json"};
   if (stage == "check") documents = {check() / "check.json"};
-  if (stage == "preview") documents = {preview() / "preview.json", preview() / "face.preview"};
+  if (stage == "preview") documents = {preview() / "preview.json"};
   if (stage == "prediction")
     documents = {prediction() / "prediction.json", prediction() / "failure.json"};
   return io::remove_earlier_files(documents);

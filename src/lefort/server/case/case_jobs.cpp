@@ -186,11 +186,13 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
 Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_stage(folder, "preview", progress, [&]() -> Result<JobOutcome> {
-    LEFORT_TRY(const pipeline::Summary summary,
-               pipeline::prepare_preview({folder.plan(), folder.ct(), folder.cache(),
-                                          folder.anatomy() / "skin.vtp", folder.preview()},
-                                         progress));
-    return reported(summary);
+    LEFORT_TRY(pipeline::PreparedPreview prepared,
+               pipeline::prepare_preview(preview_inputs(folder), progress));
+    if (const auto etag = folder.etag(folder.preview() / "preview.json"))
+      LEFORT_TRY_VOID(context.previews.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
+        return std::move(prepared.face);
+      }));
+    return reported(prepared.summary);
   });
 }
 
@@ -319,6 +321,11 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"uncertainty", "uncertainty", uncertainty_job}};
 
 }  // namespace
+
+pipeline::PreviewJob preview_inputs(const CaseFolder& folder) {
+  return {folder.plan(), folder.ct(), folder.cache(), folder.anatomy() / "skin.vtp",
+          folder.preview()};
+}
 
 std::vector<std::string> job_kinds() {
   std::vector<std::string> names;

@@ -2,9 +2,11 @@
 /// The work of each kind of job in the case's folder, by the functions of the layer pipeline.
 #pragma once
 
+#include <lefort/pipeline/preview.h>
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/event_log.h>
 #include <lefort/server/case/jobs.h>
+#include <lefort/server/case/lru_cache.h>
 #include <lefort/server/case/solve_history.h>
 #include <lefort/server/case/uploads.h>
 
@@ -21,8 +23,12 @@ struct JobContext {
   Uploads& uploads;
   EventLog& events;
   SolveHistory& history;
+  LruCache<predict::FacePreview>& previews;      ///< Receives the model of the job preview-factor.
   std::optional<std::filesystem::path> example;  ///< Scan of the bundled example.
 };
+
+/// Inputs of the preview of a case.
+[[nodiscard]] pipeline::PreviewJob preview_inputs(const CaseFolder& folder);
 
 /// The kinds of run_job().
 [[nodiscard]] std::vector<std::string> job_kinds();

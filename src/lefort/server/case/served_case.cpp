@@ -1,5 +1,5 @@
 #include <lefort/io/import_volume.h>
-#include <lefort/io/preview_file.h>
+#include <lefort/pipeline/preview.h>
 #include <lefort/server/case/case_jobs.h>
 #include <lefort/server/case/served_case.h>
 
@@ -30,10 +30,8 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
       jobs(
           folder.jobs(), events,
           [this](const JobRecord& job, Progress& progress) {
-            auto outcome =
-                run_job({folder, uploads, events, solve_history, example}, job, progress);
-            if (outcome && job.kind == "preview-factor") warm_preview();
-            return outcome;
+            return run_job({folder, uploads, events, solve_history, cached_preview, example}, job,
+                           progress);
           },
           [this] { report_stages(); }) {}
 
@@ -70,24 +68,11 @@ Result<std::shared_ptr<const image::CtVolume>> ServedCase::volume() {
 }
 
 Result<std::shared_ptr<const predict::FacePreview>> ServedCase::preview() {
-  // Keyed by the model: preview.json is the same for other materials.
-  const auto etag = folder.etag(folder.preview() / "face.preview");
-  if (!etag || !there_is(folder.preview() / "preview.json"))
-    return fail(ErrorCode::kFileNotFound, "no preview is prepared");
+  const auto etag = folder.etag(folder.preview() / "preview.json");
+  if (!etag) return fail(ErrorCode::kFileNotFound, "no preview is prepared");
   return cached_preview.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
-    LEFORT_TRY(predict::PreviewModel model,
-               io::read_preview_model(folder.preview() / "face.preview"));
-    return predict::FacePreview(std::move(model));
+    return pipeline::load_preview(preview_inputs(folder), Progress::none());
   });
-}
-
-void ServedCase::warm_preview() {
-  RigidTransform little = RigidTransform::Identity();
-  little.translation().y() = -1.0;
-  // An error is reported by the first request for a preview.
-  if (const auto face = preview())
-    static_cast<void>(
-        (*face)->displacement_mm(std::vector<RigidTransform>((*face)->segment_count(), little)));
 }
 
 }  // namespace lefort::server

@@ -47,7 +47,8 @@ struct ServedCase {
   /// The scan.
   [[nodiscard]] Result<std::shared_ptr<const image::CtVolume>> volume();
 
-  /// The model prepared by the job preview-factor.
+  /// The model prepared by the job preview-factor; after a restart of the server it is made again
+  /// from the cache.
   [[nodiscard]] Result<std::shared_ptr<const predict::FacePreview>> preview();
 
   /// Every stage by its name: contract/openapi.json, Stage.
@@ -55,10 +56,6 @@ struct ServedCase {
 
   /// Notifies pages that listen.
   void report_stages();
-
- private:
-  /// Factorizes in advance, so that the first preview is as fast as later ones.
-  void warm_preview();
 };
 
 }  // namespace lefort::server

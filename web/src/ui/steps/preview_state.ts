@@ -46,6 +46,6 @@ export function previewState(app: App, s: State): Html {
     })}`;
   if (s.preview.state === 'failed') return notice('error', 'No preview', s.preview.why);
   return hint(
-    'Preview, not a prediction: it is linearized about the scanned face, so its error grows with the movement.',
+    'Preview, not a prediction: its mesh is coarse.',
   );
 }

@@ -1,6 +1,5 @@
 #include <lefort/inverse/fit_preview.h>
 #include <lefort/io/predicted_poses.h>
-#include <lefort/io/preview_file.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/server/api/request_parts.h>
@@ -178,8 +177,8 @@ Response get_preview_distance(ServedCase& served, const Request&, const PathValu
     return error_response(409, "not_ready", "preview and prediction are of different segments");
   const auto preview_mm = (*face)->displacement_mm(X_LB);
   if (!preview_mm) return error_response(preview_mm.error());
-  const io::PreviewDistance distance =
-      io::measure_preview(*preview_mm, before->vertices, after->vertices);
+  const predict::PreviewDistance distance =
+      predict::measure_preview(*preview_mm, before->vertices, after->vertices);
   return json_response({{"note", kPreviewNote},
                         {"moved_vertices", distance.moved_vertices},
                         {"p50_mm", distance.p50_mm},
