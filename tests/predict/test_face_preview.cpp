@@ -25,11 +25,11 @@ RigidTransform shift(const Vec3& by_mm) {
   return pose;
 }
 
-double largest_mm(const std::vector<Vec3>& a_mm, const std::vector<Vec3>& b_mm) {
-  double largest = 0.0;
+double max_distance_mm(const std::vector<Vec3>& a_mm, const std::vector<Vec3>& b_mm) {
+  double max_mm = 0.0;
   for (std::size_t v = 0; v < a_mm.size(); ++v)
-    largest = std::max(largest, (a_mm[v] - b_mm[v]).norm());
-  return largest;
+    max_mm = std::max(max_mm, (a_mm[v] - b_mm[v]).norm());
+  return max_mm;
 }
 
 TEST(FacePreview, NoMotionMovesNothing) {
@@ -67,7 +67,7 @@ TEST(FacePreview, DependsOnEarlierCallsByLessThanItsTolerance) {
     ASSERT_TRUE(used.displacement_mm(std::array{shift({0.2, 0.0, up_mm})}));
   const auto a_mm = fresh.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
   const auto b_mm = used.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
-  EXPECT_LT(largest_mm(a_mm, b_mm), 0.01);
+  EXPECT_LT(max_distance_mm(a_mm, b_mm), 0.01);
 }
 
 TEST(FacePreview, ASmallMotionTakesFewIterations) {
@@ -106,7 +106,7 @@ TEST(FacePreview, AFailureKeepsTheLastEquilibrium) {
   bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(preview.displacement_mm(std::array{bad}));
   const auto again_mm = preview.displacement_mm(std::array{shift({0.0, 0.0, 0.5})}).value();
-  EXPECT_LT(largest_mm(before_mm, again_mm), 0.01);
+  EXPECT_LT(max_distance_mm(before_mm, again_mm), 0.01);
 }
 
 TEST(FacePreview, TheMeshIsCoarse) {

@@ -11,23 +11,23 @@ namespace lefort::predict {
 namespace {
 
 constexpr double kElementSize_mm = 6.0, kFarElementSize_mm = 12.0;
-/// Of the residual, relative: hundredths of a mm of the skin (docs/studies/preview.md).
+/// Of the residual, relative: hundredths of a mm of the skin (docs/studies/planner-performance.md).
 constexpr double kPreviewTolerance = 3e-3;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
 
 /// Largest motion of the centroids of the segments between two sets of poses [mm].
 double distance_mm(const FaceModel& model, std::span<const RigidTransform> a_LB,
                    std::span<const RigidTransform> b_LB) {
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   for (std::size_t k = 0; k < a_LB.size(); ++k) {
     Eigen::AlignedBox3d box_B;
     for (const Vec3& vertex : model.segments[k].surface_B.vertices) box_B.extend(vertex);
     for (int corner = 0; corner < 8 && !box_B.isEmpty(); ++corner) {
       const Vec3 p_B = box_B.corner(Eigen::AlignedBox3d::CornerType(corner));
-      largest_mm = std::max(largest_mm, (a_LB[k] * p_B - b_LB[k] * p_B).norm());
+      max_mm = std::max(max_mm, (a_LB[k] * p_B - b_LB[k] * p_B).norm());
     }
   }
-  return largest_mm;
+  return max_mm;
 }
 
 }  // namespace

@@ -30,18 +30,19 @@ struct VertexMotion {
   Mat3 by_translation = Mat3::Zero();  ///< Column a: by a translation along axis a of L.
 };
 
-/// The equation of a prediction on a coarse mesh: large strains, contact by quadrature, supports
-/// and lips as in predict_face(). Only the size of the elements and the tolerance of the equilibrium
-/// differ. Each call starts from the last equilibrium, or from rest if that is closer, so that a
-/// small motion takes a few iterations of Newton's method; the factor of an earlier tangent
-/// preconditions their linear systems. Contact has no history, so the starting point changes the
-/// result by less than the tolerance of the equilibrium, unless the tissue has several equilibria.
+/// The equations of a prediction on a coarse mesh: large strains, contact by quadrature, supports
+/// and lips as in predict_face(). Only the size of the elements and the tolerance of the
+/// equilibrium differ. Each call starts from the last equilibrium, or from rest if that is closer,
+/// so that a small motion takes a few iterations of Newton's method; the factor of an earlier
+/// tangent preconditions their linear systems. Contact has no history, so the starting point
+/// changes the result by the tolerance of the equilibrium only, unless the tissue has several
+/// equilibria (docs/studies/planner-performance.md).
 ///
 /// Thread-safe; calls run one at a time.
 class FacePreview {
  public:
-  /// \param model       the face at rest, on the mesh of preview_tissue(). Obstacles of a finer mesh
-  ///   may be used.
+  /// \param model       the face at rest, on the mesh of preview_tissue(). Its obstacles may be
+  ///   those of a finer mesh.
   /// \param names       of its segments, for messages.
   /// \param skin_L      the surface whose displacement is computed.
   /// \param options     with preview_tissue(). Contact is always by quadrature with the smooth

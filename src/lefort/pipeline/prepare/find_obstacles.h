@@ -16,7 +16,8 @@ namespace lefort::pipeline {
 ///
 /// \param model      with its tissue at rest.
 /// \param plan       its contact, field and paths are used.
-/// \param tissue     options of the model's tissue.
+/// \param tissue     options of the mesh whose elements the obstacles resolve: the model's, or a
+///   finer one.
 /// \param interface  of the model.
 /// \param progress   receives the distance of each obstacle from its bone.
 /// \returns nothing, or the errors of find_field() and predict::regularize_bone().

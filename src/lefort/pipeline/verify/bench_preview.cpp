@@ -7,6 +7,7 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/json/prediction_json.h>
+#include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/verify.h>
 #include <lefort/predict/face_preview.h>
@@ -30,10 +31,10 @@ double seconds_since(Clock::time_point begin) {
 
 /// Largest translation of a segment along its path [mm].
 double length_mm(const std::vector<geometry::RigidPath>& paths) {
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   for (const geometry::RigidPath& path : paths)
-    largest_mm = std::max(largest_mm, geometry::pose_at(path, 1.0).translation().norm());
-  return largest_mm;
+    max_mm = std::max(max_mm, geometry::pose_at(path, 1.0).translation().norm());
+  return max_mm;
 }
 
 /// Seconds of each update along the path, and the skin at its end.
@@ -61,24 +62,46 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-}  // namespace
+/// \param skin_mm  displacement of the skin by the preview.
+Result<void> add_distance_from(const std::filesystem::path& prediction,
+                               const std::vector<Vec3>& skin_mm, Summary& summary) {
+  LEFORT_TRY(const auto before_L, io::read_surface(prediction / "skin_before.vtp"));
+  LEFORT_TRY(const auto after_L, io::read_surface(prediction / "predicted_skin.vtp"));
+  if (before_L.vertices.size() != skin_mm.size() || after_L.vertices.size() != skin_mm.size())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: the prediction is of another skin", prediction.string()));
+  const predict::PreviewDistance off =
+      predict::measure_preview(skin_mm, before_L.vertices, after_L.vertices);
+  summary.json["p50_mm"] = off.p50_mm;
+  summary.json["p99_mm"] = off.p99_mm;
+  summary.json["max_mm"] = off.max_mm;
+  summary.text += fmt::format(
+      "; from the prediction, where the skin moved: P50 {:.2f} mm, P99 {:.2f} mm, max {:.2f} mm",
+      off.p50_mm, off.p99_mm, off.max_mm);
+  return {};
+}
 
-Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress) {
-  LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
-  io::note_warnings(text.plan.warnings, progress);
-  LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  const StageCache cache(job.output / "cache");
-  LEFORT_TRY(const PreparedCase prepared,
-             prepare_case(text.plan, io::Sha256().add(text.json).hex(), job.ct, cache, progress));
+Result<predict::FacePreview> make_face(const PreparedCase& prepared, const StageCache& cache,
+                                       Progress& progress) {
   const predict::PredictionOptions options{predict::preview_tissue(prepared.plan.tissue),
                                            prepared.plan.boundary, prepared.plan.contact,
                                            prepared.plan.solver};
-  const auto begin = Clock::now();
   LEFORT_TRY(predict::FaceModel model, preview_model(prepared, options.tissue, cache, progress));
-  LEFORT_TRY(
-      const predict::FacePreview face,
-      predict::FacePreview::create(std::move(model), prepared.segment_names(), prepared.skin_L,
-                                   options, prepared.scan_grid.spacing_mm, progress));
+  return predict::FacePreview::create(std::move(model), prepared.segment_names(), prepared.skin_L,
+                                      options, prepared.scan_grid.spacing_mm, progress);
+}
+
+}  // namespace
+
+Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress) {
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  const StageCache cache(job.output / "cache");
+  LEFORT_TRY(const io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
+  io::note_warnings(text.plan.warnings, progress);
+  LEFORT_TRY(const PreparedCase prepared,
+             prepare_case(text.plan, io::Sha256().add(text.json).hex(), job.ct, cache, progress));
+  const auto begin = Clock::now();
+  LEFORT_TRY(const predict::FacePreview face, make_face(prepared, cache, progress));
   const double prepare_s = seconds_since(begin);
   const std::vector<geometry::RigidPath> paths = prepared.paths();
   const int frames = std::max(2, int(std::ceil(length_mm(paths) / job.frame_mm)));
@@ -113,21 +136,7 @@ Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress) {
       face.element_count(), prepare_s, frames, length_mm(paths) / frames, median(dragged.seconds),
       *std::ranges::max_element(dragged.seconds), double(drag_iterations) / frames, jump_s,
       face.newton_iterations() - before, path_mm);
-  if (job.prediction) {
-    LEFORT_TRY(const auto skin_before_L, io::read_surface(*job.prediction / "skin_before.vtp"));
-    LEFORT_TRY(const auto skin_after_L, io::read_surface(*job.prediction / "predicted_skin.vtp"));
-    if (skin_before_L.vertices.size() != jumped_mm.size())
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: the prediction is of another skin", job.prediction->string()));
-    const predict::PreviewDistance off =
-        predict::measure_preview(jumped_mm, skin_before_L.vertices, skin_after_L.vertices);
-    summary.json["p50_mm"] = off.p50_mm;
-    summary.json["p99_mm"] = off.p99_mm;
-    summary.json["max_mm"] = off.max_mm;
-    summary.text += fmt::format(
-        "; from the prediction, where the skin moved: P50 {:.2f} mm, P99 {:.2f} mm, max {:.2f} mm",
-        off.p50_mm, off.p99_mm, off.max_mm);
-  }
+  if (job.prediction) LEFORT_TRY_VOID(add_distance_from(*job.prediction, jumped_mm, summary));
   LEFORT_TRY_VOID(io::write_text(job.output / "preview_bench.json", summary.json.dump(1) + "\n"));
   return summary;
 }
