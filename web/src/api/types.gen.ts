@@ -428,7 +428,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearized at rest; needs job preview-factor and the pose of each of its segments */
+        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], by the equations of a prediction on a coarse mesh; needs job preview-factor and the pose of each of its segments */
         post: operations["postPreview"];
         delete?: never;
         options?: never;

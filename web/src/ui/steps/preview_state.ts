@@ -45,7 +45,5 @@ export function previewState(app: App, s: State): Html {
       id: 'prepare-preview',
     })}`;
   if (s.preview.state === 'failed') return notice('error', 'No preview', s.preview.why);
-  return hint(
-    'Preview, not a prediction: its mesh is coarse.',
-  );
+  return hint('Preview, not a prediction: its mesh is coarse.');
 }
