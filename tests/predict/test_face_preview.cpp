@@ -94,12 +94,19 @@ TEST(FacePreview, TheMotionOfAVertexHasTheDerivativeOfItsDisplacement) {
     if (here[v].norm() > here[std::size_t(vertex)].norm()) vertex = Index(v);
   const VertexMotion motion = preview.vertex_motion(std::array{shift(pose_mm)}, 0, vertex).value();
   EXPECT_LT((motion.displacement_mm - here[std::size_t(vertex)]).norm(), 0.01);
+  for (int axis = 0; axis < 2; ++axis) {
+    const Vec3 by_mm = kStep_mm * Vec3::Unit(axis);
+    const Vec3 across =
+        (at(pose_mm + by_mm)[std::size_t(vertex)] - at(pose_mm - by_mm)[std::size_t(vertex)]) /
+        (2 * kStep_mm);
+    EXPECT_LT((motion.by_translation.col(axis) - across).norm(), 0.05) << axis;
+  }
   const Vec3 difference = (plus[std::size_t(vertex)] - minus[std::size_t(vertex)]) / (2 * kStep_mm);
   EXPECT_GT(difference.norm(), 0.3);
   EXPECT_LT((motion.by_translation.col(2) - difference).norm(), 0.05);
 }
 
-TEST(FacePreview, AFailureKeepsTheLastEquilibrium) {
+TEST(FacePreview, ARejectedPoseKeepsTheLastEquilibrium) {
   const FacePreview preview = preview_of(test::block_on_slab());
   const auto before_mm = preview.displacement_mm(std::array{shift({0.0, 0.0, 0.5})}).value();
   RigidTransform bad = shift({0.0, 0.0, 1.0});

@@ -10,7 +10,7 @@
 namespace lefort::inverse {
 namespace {
 
-constexpr int kMaxSteps = 4;
+constexpr int kMaxSteps = 6;
 constexpr double kReachedFit_mm = 0.02;  ///< Below what a page shows.
 /// Of the squared response: damps motions that hardly move the vertex.
 constexpr double kFitDamping = 1e-3;
@@ -54,22 +54,29 @@ Result<PreviewFit> fit_preview(const predict::FacePreview& preview,
   };
   VectorX s = VectorX::Zero(count);
   LEFORT_TRY(predict::VertexMotion motion, motion_at(s));
+  if (response_along(axes_L, motion.by_translation).norm() < kMinResponse)
+    return fail(ErrorCode::kInvalidArgument,
+                "the segment does not move the skin at this point: choose a point closer to it");
+  double shortened = 1.0;  // Part of the step that is taken.
   for (int n = 0; n < kMaxSteps; ++n) {
-    const Eigen::MatrixXd D = response_along(axes_L, motion.by_translation);
-    if (D.norm() < kMinResponse)
-      return fail(ErrorCode::kInvalidArgument,
-                  "the segment does not move the skin at this point: choose a point closer to it");
-    Eigen::MatrixXd H = D.transpose() * D;
-    H.diagonal().array() += kFitDamping * H.diagonal().maxCoeff();
     const VectorX r = along(axes_L, motion.displacement_mm - wanted_mm);
     if (r.norm() <= kReachedFit_mm) break;
-    const VectorX next = (s + H.ldlt().solve(-D.transpose() * r)).cwiseMax(lower).cwiseMin(upper);
-    if ((next - s).norm() <= 0.1 * kReachedFit_mm) break;
-    LEFORT_TRY(const predict::VertexMotion reached, motion_at(next));
-    if (along(axes_L, reached.displacement_mm - wanted_mm).norm() >= r.norm()) break;
-    s = next;
-    motion = reached;
+    const Eigen::MatrixXd D = response_along(axes_L, motion.by_translation);
+    Eigen::MatrixXd H = D.transpose() * D;
+    H.diagonal().array() += kFitDamping * H.diagonal().maxCoeff();
+    const VectorX step = shortened * H.ldlt().solve(-D.transpose() * r);
+    const VectorX next = (s + step).cwiseMax(lower).cwiseMin(upper);
+    if (!((next - s).norm() > 0.1 * kReachedFit_mm)) break;
+    const auto reached = motion_at(next);
+    if (reached && along(axes_L, reached->displacement_mm - wanted_mm).norm() < r.norm()) {
+      s = next;
+      motion = *reached;
+      shortened = 1.0;
+    } else {
+      shortened *= 0.5;
+    }
   }
+  LEFORT_TRY(motion, motion_at(s));  // The last pose may be one that was not taken.
   X_LB[segment].translation() = start_L;
   for (Index a = 0; a < count; ++a) X_LB[segment].translation() += s[a] * axes_L[std::size_t(a)];
   return PreviewFit{X_LB[segment], motion.displacement_mm,

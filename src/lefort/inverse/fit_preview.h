@@ -24,8 +24,8 @@ struct PreviewFit {
 inline constexpr double kMaxFit_mm = 20.0;
 
 /// Minimizes the distance along `axes_L` between the displacement of a vertex and the wanted one by
-/// translations of one segment along the same axes: Levenberg-Marquardt's method with the
-/// derivatives of the equilibrium. Costs up to six equilibria.
+/// translations of one segment along the same axes: damped Gauss-Newton steps with the derivatives
+/// of the equilibrium, which are halved if they fail. Costs up to eight equilibria.
 ///
 /// \param preview    of the face.
 /// \param X_LB       present pose of each segment.

@@ -15,7 +15,7 @@ constexpr double kElementSize_mm = 6.0, kFarElementSize_mm = 12.0;
 constexpr double kPreviewTolerance = 3e-3;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
 
-/// Largest motion of the centroids of the segments between two sets of poses [mm].
+/// Largest motion of a corner of the bounding box of a segment between two sets of poses [mm].
 double distance_mm(const FaceModel& model, std::span<const RigidTransform> a_LB,
                    std::span<const RigidTransform> b_LB) {
   double max_mm = 0.0;

@@ -29,7 +29,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -325,8 +327,9 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
 
 namespace {
 
+/// \param plan       whose paths the obstacles are for.
 /// \param obstacles  options of the mesh whose elements the obstacles resolve.
-Result<predict::FaceModel> remodel(const PreparedCase& prepared,
+Result<predict::FaceModel> remodel(const PreparedCase& prepared, const io::PlanFile& plan,
                                    const predict::TissueOptions& tissue,
                                    const predict::TissueOptions& obstacles,
                                    const predict::BoundaryOptions& boundary,
@@ -344,9 +347,23 @@ Result<predict::FaceModel> remodel(const PreparedCase& prepared,
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(
-      find_obstacles(model, prepared.plan, obstacles, boundary.interface, cache, progress));
+  LEFORT_TRY_VOID(find_obstacles(model, plan, obstacles, boundary.interface, cache, progress));
   return model;
+}
+
+/// The plan with paths on which all bones part by more than an element, within 20 mm: obstacles for
+/// any motion.
+io::PlanFile with_any_motion(io::PlanFile plan) {
+  constexpr double kMotion_mm = 20.0;
+  for (std::size_t k = 0; k < plan.segments.size(); ++k) {
+    const double angle = 2.0 * std::numbers::pi * double(k) / double(plan.segments.size());
+    geometry::RigidPath& path = plan.segments[k].path;
+    path.keyframes = {geometry::Keyframe{
+        .path_fraction = 1.0,
+        .translation_mm = kMotion_mm * Vec3(0.0, std::cos(angle), std::sin(angle))}};
+    path.steps = 1;
+  }
+  return plan;
 }
 
 }  // namespace
@@ -355,13 +372,14 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                         const predict::TissueOptions& tissue,
                                         const predict::BoundaryOptions& boundary,
                                         const StageCache& cache, Progress& progress) {
-  return remodel(prepared, tissue, tissue, boundary, cache, progress);
+  return remodel(prepared, prepared.plan, tissue, tissue, boundary, cache, progress);
 }
 
 Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
                                          const predict::TissueOptions& tissue,
                                          const StageCache& cache, Progress& progress) {
-  return remodel(prepared, tissue, prepared.plan.tissue, prepared.plan.boundary, cache, progress);
+  return remodel(prepared, with_any_motion(prepared.plan), tissue, prepared.plan.tissue,
+                 prepared.plan.boundary, cache, progress);
 }
 
 }  // namespace lefort::pipeline

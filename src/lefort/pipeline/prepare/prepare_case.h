@@ -78,14 +78,14 @@ struct PreparedCase {
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
 
-/// The model of a preview of a prepared case, with the obstacles of the plan's own mesh.
+/// The model of a preview of a prepared case. Its obstacles have the resolution of the plan's own
+/// mesh and are those of cuts that have opened, for any motion of up to 20 mm.
 ///
 /// \param tissue  predict::preview_tissue().
 /// \returns as remodel_face().
 [[nodiscard]] Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
                                                        const predict::TissueOptions& tissue,
-                                                       const StageCache& cache,
-                                                       Progress& progress);
+                                                       const StageCache& cache, Progress& progress);
 
 /// Makes the model of a prepared case again with another mesh or interface; bones and the fields of
 /// segments are those of the case.

@@ -234,7 +234,8 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   }
   if (stage == "preview") {
     io::Sha256 sum;
-    sum.add(member(plan_json, "tissue").dump()).add(member(plan_json, "boundary").dump());
+    for (const char* part : {"tissue", "boundary", "contact", "solver"})
+      sum.add(member(plan_json, part).dump());
     if (names_boundary(plan_json)) sum.add(fingerprint(boundary()).value_or(""));
     inputs["tissue"] = sum.hex();
   }

@@ -50,13 +50,6 @@ Result<void> check_plan(const CaseFolder& folder) {
   return check_files_of_plan(*text);
 }
 
-std::string without_paths(std::string text, const CaseFolder& folder) {
-  const std::string root = folder.root().string() + "/";
-  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root, at))
-    text.erase(at, root.size());
-  return text;
-}
-
 Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, Progress& progress) {
   CaseFolder& folder = context.folder;
   std::error_code error;
@@ -189,9 +182,7 @@ Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Prog
     LEFORT_TRY(pipeline::PreparedPreview prepared,
                pipeline::prepare_preview(preview_inputs(folder), progress));
     if (const auto etag = folder.etag(folder.preview() / "preview.json"))
-      LEFORT_TRY_VOID(context.previews.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
-        return std::move(prepared.face);
-      }));
+      context.previews.put("preview", *etag, std::move(prepared.face));
     return reported(prepared.summary);
   });
 }
@@ -321,6 +312,13 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"uncertainty", "uncertainty", uncertainty_job}};
 
 }  // namespace
+
+std::string without_paths(std::string text, const CaseFolder& folder) {
+  const std::string root = folder.root().string() + "/";
+  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root, at))
+    text.erase(at, root.size());
+  return text;
+}
 
 pipeline::PreviewJob preview_inputs(const CaseFolder& folder) {
   return {folder.plan(), folder.ct(), folder.cache(), folder.anatomy() / "skin.vtp",

@@ -27,6 +27,9 @@ struct JobContext {
   std::optional<std::filesystem::path> example;  ///< Scan of the bundled example.
 };
 
+/// A message without the path of the case folder.
+[[nodiscard]] std::string without_paths(std::string text, const CaseFolder& folder);
+
 /// Inputs of the preview of a case.
 [[nodiscard]] pipeline::PreviewJob preview_inputs(const CaseFolder& folder);
 

@@ -34,10 +34,14 @@ class LruCache {
       break;
     }
     LEFORT_TRY(Value value, read());
-    auto shared = std::make_shared<const Value>(std::move(value));
-    entries_.push_front({name, etag, shared});
-    if (entries_.size() > max_count_) entries_.pop_back();
-    return shared;
+    return add(name, etag, std::move(value));
+  }
+
+  /// Replaces the value of this name.
+  void put(const std::string& name, const std::string& etag, Value value) {
+    const std::scoped_lock lock(mutex_);
+    entries_.remove_if([&](const Entry& entry) { return entry.name == name; });
+    add(name, etag, std::move(value));
   }
 
  private:
@@ -45,6 +49,14 @@ class LruCache {
     std::string name, etag;
     std::shared_ptr<const Value> value;
   };
+  /// \pre the mutex is locked.
+  std::shared_ptr<const Value> add(const std::string& name, const std::string& etag, Value value) {
+    auto shared = std::make_shared<const Value>(std::move(value));
+    entries_.push_front({name, etag, shared});
+    if (entries_.size() > max_count_) entries_.pop_back();
+    return shared;
+  }
+
   const std::size_t max_count_;
   std::mutex mutex_;
   std::list<Entry> entries_;

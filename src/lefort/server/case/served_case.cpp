@@ -70,8 +70,14 @@ Result<std::shared_ptr<const image::CtVolume>> ServedCase::volume() {
 Result<std::shared_ptr<const predict::FacePreview>> ServedCase::preview() {
   const auto etag = folder.etag(folder.preview() / "preview.json");
   if (!etag) return fail(ErrorCode::kFileNotFound, "no preview is prepared");
+  const auto is_fresh = [&] { return folder.stage("preview")["state"] == "fresh"; };
   return cached_preview.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
-    return pipeline::load_preview(preview_inputs(folder), Progress::none());
+    const char* const stale = "the preview is of an earlier server: run the job preview-factor";
+    if (!is_fresh()) return fail(ErrorCode::kFileNotFound, stale);
+    auto face = pipeline::load_preview(preview_inputs(folder), Progress::none());
+    if (!face) return fail(face.error().code, without_paths(face.error().message, folder));
+    if (!is_fresh()) return fail(ErrorCode::kFileNotFound, stale);
+    return face;
   });
 }
 
