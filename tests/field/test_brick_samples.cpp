@@ -161,7 +161,7 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
         prepare_surface(test::make_box(Vec3(-half, -half, -half), Vec3(half, half, z))).value();
     const BandSampler sampler = BandSampler::create(surface, frame, frame.band_mm).value();
     const WindingScanlines winding(surface.mesh_B, frame);
-    const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
+    const auto samples = build_bricks(sampler, frame, &winding, nullptr, Progress::none());
     ASSERT_TRUE(samples);
     const std::int32_t code = BrickSamples::read_code(samples->code_address({8, 8, 11}));
     EXPECT_GE(code, BrickSamples::kLargest - 8) << frame.band_mm;  // Neither unknown nor inside.
@@ -184,7 +184,7 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsInConflictIsUnknownThere) {
           .value();
   surface.closed = false;  // As for an open surface, no other point determines the sign.
   const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
-                                    nullptr, Progress::none());
+                                    nullptr, nullptr, Progress::none());
   ASSERT_TRUE(samples);
   for (const LatticePoint& p :
        {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
@@ -207,7 +207,7 @@ TEST(BuildBricks, TheWindingNumberResolvesSignConflicts) {
   ASSERT_TRUE(surface.closed);
   const WindingScanlines winding(surface.mesh_B, frame);
   const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
-                                    &winding, Progress::none());
+                                    &winding, nullptr, Progress::none());
   ASSERT_TRUE(samples);
   const std::int32_t code = BrickSamples::read_code(samples->code_address({16, 11, 11}));
   ASSERT_TRUE(BrickSamples::is_distance(code));

@@ -11,13 +11,18 @@
 namespace lefort::predict {
 namespace {
 
+/// Of a distance query.
+struct QueryRange {
+  double max_distance_mm;
+  bool is_closed;  ///< Its surface.
+};
+
 /// Of one segment, see check_query_range().
 Result<void> check_query_range_of(const geometry::RigidPath& path,
                                   const std::vector<LoadLevel>& levels, const ContactBone& segment,
-                                  const contact::DistanceQuery& distance_query_B,
-                                  double contact_snap_mm) {
-  const double band_mm = distance_query_B.max_distance_mm();
-  if (!distance_query_B.is_closed())
+                                  const QueryRange& range, double contact_snap_mm) {
+  const double band_mm = range.max_distance_mm;
+  if (!range.is_closed)
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("segment {} is an open surface; contact needs a closed one", path.segment));
@@ -77,8 +82,10 @@ Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
   if (boundary.interface == TissueInterface::kBonded) return {};
   const std::vector<LoadLevel> levels = load_levels(paths, 1);
   for (std::size_t k = 0; k < paths.size(); ++k)
-    LEFORT_TRY_VOID(check_query_range_of(paths[k], levels, segments[k], *distance_queries_B[k],
-                                         boundary.contact_snap_mm));
+    LEFORT_TRY_VOID(check_query_range_of(
+        paths[k], levels, segments[k],
+        {distance_queries_B[k]->max_distance_mm(), distance_queries_B[k]->is_closed()},
+        boundary.contact_snap_mm));
   return {};
 }
 
@@ -87,8 +94,17 @@ Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                contact::DetectionMethod detection,
                                const BoundaryOptions& boundary) {
   LEFORT_CHECK(paths.size() == segments.size());
-  LEFORT_TRY(const DistanceQueries distance_queries_B, bone_distance_queries(segments, detection));
-  return check_query_range(paths, segments, distance_queries_B, boundary);
+  if (boundary.interface == TissueInterface::kBonded) return {};
+  const std::vector<LoadLevel> levels = load_levels(paths, 1);
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const field::DistanceField& field_B = *contact_field_B(segments[k]);
+    const double max_mm = detection == contact::DetectionMethod::kTrilinear
+                              ? field_B.guaranteed_mm()
+                              : field_B.band_mm();
+    LEFORT_TRY_VOID(check_query_range_of(
+        paths[k], levels, segments[k], {max_mm, field_B.frame().closed}, boundary.contact_snap_mm));
+  }
+  return {};
 }
 
 Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,

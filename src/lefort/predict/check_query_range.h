@@ -51,7 +51,9 @@ using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery
                                              const DistanceQueries& distance_queries_B,
                                              const BoundaryOptions& boundary);
 
-/// The same for queries made by `detection`; or what bone_distance_queries() returns.
+/// The same before the queries exist, for those that `detection` would make.
+///
+/// \param segments  their fields may still lack what a smooth query needs.
 [[nodiscard]] Result<void> check_query_range(const std::vector<geometry::RigidPath>& paths,
                                              const std::vector<ContactBone>& segments,
                                              contact::DetectionMethod detection,

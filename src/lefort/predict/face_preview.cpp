@@ -15,18 +15,24 @@ constexpr double kElementSize_mm = 6.0, kFarElementSize_mm = 12.0;
 constexpr double kPreviewTolerance = 3e-3;
 constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
 
-/// Largest motion of a corner of the bounding box of a segment between two sets of poses [mm].
-double distance_mm(const FaceModel& model, std::span<const RigidTransform> a_LB,
+using Boxes = std::vector<Eigen::AlignedBox3d>;
+
+Boxes boxes_of(const FaceModel& model) {
+  Boxes boxes_B(model.segments.size());
+  for (std::size_t k = 0; k < boxes_B.size(); ++k)
+    for (const Vec3& vertex : model.segments[k].surface_B.vertices) boxes_B[k].extend(vertex);
+  return boxes_B;
+}
+
+/// Largest distance of a corner of a segment's box between two sets of poses [mm].
+double distance_mm(const Boxes& boxes_B, std::span<const RigidTransform> a_LB,
                    std::span<const RigidTransform> b_LB) {
   double max_mm = 0.0;
-  for (std::size_t k = 0; k < a_LB.size(); ++k) {
-    Eigen::AlignedBox3d box_B;
-    for (const Vec3& vertex : model.segments[k].surface_B.vertices) box_B.extend(vertex);
-    for (int corner = 0; corner < 8 && !box_B.isEmpty(); ++corner) {
-      const Vec3 p_B = box_B.corner(Eigen::AlignedBox3d::CornerType(corner));
+  for (std::size_t k = 0; k < boxes_B.size(); ++k)
+    for (int corner = 0; corner < 8 && !boxes_B[k].isEmpty(); ++corner) {
+      const Vec3 p_B = boxes_B[k].corner(Eigen::AlignedBox3d::CornerType(corner));
       max_mm = std::max(max_mm, (a_LB[k] * p_B - b_LB[k] * p_B).norm());
     }
-  }
   return max_mm;
 }
 
@@ -44,6 +50,7 @@ TissueOptions preview_tissue(const TissueOptions& fine) {
 
 struct FacePreview::Live {
   FaceModel model;
+  Boxes boxes_B;  ///< Of the segments.
   SkinEmbedding skin;
   std::unique_ptr<FaceResponse> response;  ///< Of `model`.
   FaceState last;
@@ -56,7 +63,7 @@ Result<void> FacePreview::Live::move_to(std::span<const RigidTransform> X_LB) {
   LEFORT_CHECK(X_LB.size() == model.segments.size());
   const FaceState rest = response->at_rest();
   const bool is_rest_closer =
-      distance_mm(model, X_LB, rest.at.X_LB) < distance_mm(model, X_LB, last.at.X_LB);
+      distance_mm(boxes_B, X_LB, rest.at.X_LB) < distance_mm(boxes_B, X_LB, last.at.X_LB);
   const std::vector<RigidTransform> poses(X_LB.begin(), X_LB.end());
   LEFORT_TRY(last, response->solve(poses, is_rest_closer ? rest : last));
   return {};
@@ -72,6 +79,7 @@ Result<FacePreview> FacePreview::create(FaceModel model, std::vector<std::string
       std::max(options.solver.relative_tolerance, kPreviewTolerance);
   auto live = std::make_unique<Live>();
   live->model = std::move(model);
+  live->boxes_B = boxes_of(live->model);
   live->skin =
       embed_skin(skin_L, live->model.tissue, embedding_distance_mm(options.tissue, spacing_mm));
   LEFORT_TRY(live->response,

@@ -146,8 +146,8 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
           geometry::interpolate_pose(start.at.X_LB[k], X_LB[k], fraction, centers_B_[k]));
     return poses;
   };
-  // An iterative solver keeps its state within one solve only, so that results do not depend on
-  // earlier ones.
+  // A solver that is iterative for its size starts without the state of earlier solves; a reused
+  // factor below that size stays.
   if (body_->assembler().dofs().free_count() > linear_.direct_rows)
     linear_solver_ = linear::LinearSolver(linear_);
   FaceEquilibrium last = start.at;

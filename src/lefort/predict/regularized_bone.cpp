@@ -31,10 +31,12 @@ constexpr double kSigmaFraction = 0.75;
 constexpr double kWallFraction = 1.5;
 // Of the node spacing: two sigma. At a cut, a bone with a collar then recedes by 0.02 h.
 constexpr double kCollarFraction = 1.5;
-constexpr double kCutFraction = 0.5;      // Of the node spacing: a wider cut is not closed.
-constexpr double kMinAgreement = 0.5;     // Cosine between the gradients behind a wall.
-constexpr double kMaxBandFraction = 0.4;  // A quarter of the field's cube is the widest band.
-constexpr double kPadding_sigmas = 4.0;   // Beyond the Gaussian's cutoff.
+constexpr double kCutFraction = 0.5;        // Of the node spacing: a wider cut is not closed.
+constexpr double kMinAgreement = 0.5;       // Cosine between the gradients behind a wall.
+constexpr double kMaxBandFraction = 0.4;    // A quarter of the field's cube is the widest band.
+constexpr double kNearBand_spacings = 4.0;  // Of the tissue's fine field, beyond a wall.
+constexpr int kFarCoarsening = 4;           // Of the tissue's coarse field, which limits the reach.
+constexpr double kPadding_sigmas = 4.0;     // Beyond the Gaussian's cutoff.
 
 /// The boundary of the tissue as triangles; nodes of no face are left out.
 geometry::TriangleMesh boundary_surface(const mesh::VolumeMesh& tissue) {
@@ -94,6 +96,15 @@ image::ScalarVolume distances_on(const image::Grid& grid, const field::DistanceF
           if (std::isnan(distance)) distance = std::numeric_limits<float>::infinity();
       },
       8);
+  return distances;
+}
+
+/// Distances from the tissue: those of the coarse field beyond the band of the fine one.
+image::ScalarVolume distances_from(const image::Grid& grid, const TissueAtRest& tissue) {
+  image::ScalarVolume distances = distances_on(grid, tissue.field_L);
+  const image::ScalarVolume far = distances_on(grid, tissue.far_L);
+  for (std::size_t v = 0; v < distances.values.size(); ++v)
+    if (std::isinf(distances.values[v])) distances.values[v] = far.values[v];
   return distances;
 }
 
@@ -200,10 +211,10 @@ void measure(RegularizedBone& regularized, const field::DistanceField& bone_L,
   regularized.p99_distance_mm = percentile(distances_mm, 0.99);
 }
 
-/// Resolution of the tissue's field: about the spacing of the lattice.
-int resolution_of(double side_mm, const RegularizationOptions& options) {
+/// Resolution of a field of the tissue: about the spacing.
+int resolution_of(double side_mm, double spacing_mm) {
   constexpr unsigned kMin = 64, kMax = 256;
-  const double cells = side_mm / (kSpacingFraction * options.node_spacing_mm);
+  const double cells = side_mm / spacing_mm;
   return int(std::clamp(std::bit_ceil(unsigned(std::min(cells, double(kMax)))), kMin, kMax));
 }
 
@@ -214,15 +225,22 @@ Result<TissueAtRest> tissue_at_rest(const mesh::VolumeMesh& tissue,
   LEFORT_CHECK(options.node_spacing_mm > 0.0 && options.reach_mm > options.node_spacing_mm);
   const geometry::TriangleMesh boundary_L = boundary_surface(tissue);
   const Box3 box_L = geometry::bounding_box(boundary_L);
-  const double band_mm = std::min(options.reach_mm + kSpacingFraction * options.node_spacing_mm,
-                                  kMaxBandFraction * box_L.sizes().maxCoeff());
-  LEFORT_TRY(field::DistanceField field_L,
-             field::build_distance_field(
-                 boundary_L,
-                 {.resolution = resolution_of(box_L.sizes().maxCoeff() + 2.0 * band_mm, options),
-                  .band_mm = band_mm},
-                 progress));
-  return TissueAtRest{box_L, std::move(field_L)};
+  const double extent_mm = box_L.sizes().maxCoeff();
+  const double spacing_mm = kSpacingFraction * options.node_spacing_mm;
+  const auto field_of = [&](double wanted_mm, int coarsening) {
+    const double band_mm = std::min(wanted_mm, kMaxBandFraction * extent_mm);
+    return field::build_distance_field(
+        boundary_L,
+        {.resolution = resolution_of(extent_mm + 2.0 * band_mm, coarsening * spacing_mm),
+         .band_mm = band_mm},
+        progress);
+  };
+  // A wall counts only where tissue lies behind it: its distance must be correct up to there.
+  LEFORT_TRY(
+      field::DistanceField field_L,
+      field_of(kWallFraction * options.node_spacing_mm + kNearBand_spacings * spacing_mm, 1));
+  LEFORT_TRY(field::DistanceField far_L, field_of(options.reach_mm + spacing_mm, kFarCoarsening));
+  return TissueAtRest{box_L, std::move(field_L), std::move(far_L)};
 }
 
 double collar_mm(double node_spacing_mm, double separation_mm) {
@@ -243,7 +261,7 @@ Result<RegularizedBone> regularize_bone(const ContactBone& bone,
       regularized.surface_L,
       anatomy::extract_isosurface(
           anatomy::smoothed(unsmoothed_level(distances_with_collars(grid, bone, adjacent, h_mm),
-                                             distances_on(grid, tissue.field_L), options),
+                                             distances_from(grid, tissue), options),
                             kSigmaFraction * h_mm),
           {.min_part_ml = ball_ml}, progress));
   measure(regularized, *bone.field_B, tissue.field_L, h_mm);

@@ -56,7 +56,8 @@ struct AdjacentBone {
 /// The tissue at rest, as regularize_bone() needs it.
 struct TissueAtRest {
   Box3 box_L;
-  field::DistanceField field_L;
+  field::DistanceField field_L;  ///< Near its boundary, at the spacing of the lattice.
+  field::DistanceField far_L;    ///< Up to the reach, at a coarser spacing.
 };
 
 /// \param tissue    at rest.

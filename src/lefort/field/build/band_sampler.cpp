@@ -289,6 +289,14 @@ BrickSigns BandSampler::sample(Index slot,
   return signs;
 }
 
+void resolve_by_winding(std::span<float, SparseLattice::kBrickPoints> distances, BrickSigns signs,
+                        const WindingScanlines* winding, std::int32_t brick,
+                        const FieldFrame& frame) {
+  if (winding == nullptr || !signs.any_known()) return;
+  resolve_sign_conflicts(distances, signs, inside_with_unsampled(signs, *winding, brick, frame),
+                         winding, brick, frame);
+}
+
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
                                          double max_distance_mm, const WindingScanlines* winding,
                                          Progress& progress) {
@@ -305,12 +313,8 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
         end - begin,
         [&](Index offset) {
           const Index slot = begin + offset;
-          BrickSigns signs = sampler.sample(slot, distances.brick(slot));
-          if (winding == nullptr || !signs.any_known()) return;
-          const std::int32_t brick = bricks[std::size_t(slot)];
-          resolve_sign_conflicts(distances.brick(slot), signs,
-                                 inside_with_unsampled(signs, *winding, brick, frame), winding,
-                                 brick, frame);
+          resolve_by_winding(distances.brick(slot), sampler.sample(slot, distances.brick(slot)),
+                             winding, bricks[std::size_t(slot)], frame);
         },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);

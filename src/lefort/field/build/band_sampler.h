@@ -93,6 +93,17 @@ class BandSampler {
   std::optional<TriangleTree> tree_;
 };
 
+/// Resolves the sign conflicts of a sampled brick, if the surface is closed.
+///
+/// \param distances  of BandSampler::sample().
+/// \param signs      of `distances`.
+/// \param winding    of the surface, or null if it is open.
+/// \param brick      number of the brick.
+/// \param frame      lattice of the field.
+void resolve_by_winding(std::span<float, SparseLattice::kBrickPoints> distances, BrickSigns signs,
+                        const WindingScanlines* winding, std::int32_t brick,
+                        const FieldFrame& frame);
+
 /// Samples every lattice point within `max_distance_mm` of the surface; other points of the same
 /// bricks are kUnsampled.
 ///

@@ -208,9 +208,26 @@ Result<void> append_wave(std::span<EncodedBrick> wave, std::span<const std::int3
   return {};
 }
 
+/// Removes the samples beyond the band.
+void restrict_to_band(Distances& distances, BrickSigns& signs, float band_mm) {
+  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
+    std::uint64_t within = 0;
+    for (std::size_t i = 0; i < 64; ++i) {
+      float& distance = distances[64 * z + i];
+      const bool is_within = std::abs(distance) < band_mm;  // False if unsampled.
+      within |= std::uint64_t(is_within) << i;
+      if (!is_within) distance = kUnsampled;
+    }
+    signs.known[z] &= within;
+    signs.inside[z] &= within;
+    signs.clear_of_surface[z] &= within;
+  }
+}
+
 /// Samples and encodes the bricks of the band in waves.
 Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& frame,
-                                 const WindingScanlines* winding, Progress& progress) {
+                                 const WindingScanlines* winding, SparseLattice* wide,
+                                 Progress& progress) {
   const std::span<const std::int32_t> candidates = sampler.bricks();
   BrickStore store(frame.resolution, candidates.size());
   std::vector<EncodedBrick> wave(
@@ -225,6 +242,12 @@ Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& f
         [&](Index i) {
           Distances distances;
           BrickSigns signs = sampler.sample(begin + i, distances);
+          if (wide != nullptr) {
+            std::ranges::copy(distances, wide->brick(begin + i).begin());
+            resolve_by_winding(wide->brick(begin + i), signs, winding, numbers[std::size_t(i)],
+                               frame);
+            restrict_to_band(distances, signs, float(frame.band_mm));
+          }
           encode(distances, signs, frame, winding, numbers[std::size_t(i)], wave[std::size_t(i)]);
         },
         kBricksPerTask);
@@ -256,8 +279,9 @@ void fill_empty_bricks(const WindingScanlines* winding, int resolution, BrickSto
 }  // namespace
 
 Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
-                                  const WindingScanlines* winding, Progress& progress) {
-  LEFORT_TRY(BrickStore store, encode_bricks(sampler, frame, winding, progress));
+                                  const WindingScanlines* winding, SparseLattice* wide,
+                                  Progress& progress) {
+  LEFORT_TRY(BrickStore store, encode_bricks(sampler, frame, winding, wide, progress));
   fill_empty_bricks(winding, frame.resolution, store);
 
   struct Owner {

@@ -117,7 +117,37 @@ Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
   LEFORT_TRY(const BandSampler sampler,
              BandSampler::create(surface, frame, frame.band_mm, BandSampler::kMaxPoints, progress));
   if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
-  return build_bricks(sampler, frame, winding, progress);
+  return build_bricks(sampler, frame, winding, nullptr, progress);
+}
+
+/// Samples in the band, and the spline around it.
+struct SmoothSamples {
+  DistanceField::Samples samples;
+  SparseLattice spline;
+};
+
+/// Bricks have both from the same distances.
+Result<SmoothSamples> build_smooth(const PreparedSurface& surface, const FieldFrame& frame,
+                                   FieldMethod method, const WindingScanlines* winding,
+                                   Progress& progress) {
+  const double max_distance_mm = frame.band_mm + kStencilCells * frame.cell_mm;
+  if (method != FieldMethod::kBricks) {
+    LEFORT_TRY(auto samples, build_samples(surface, frame, method, winding, progress));
+    progress.begin_stage("compute smooth distances");
+    LEFORT_TRY(const SparseLattice distances,
+               sample_narrow_band(surface, frame, max_distance_mm, winding, progress));
+    return SmoothSamples{std::move(samples),
+                         spline_lattice(distances, frame.cell_mm, max_distance_mm)};
+  }
+  LEFORT_TRY(
+      const BandSampler sampler,
+      BandSampler::create(surface, frame, max_distance_mm, BandSampler::kMaxFloatPoints, progress));
+  const std::span<const std::int32_t> bricks = sampler.bricks();
+  SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kUnsampled);
+  LEFORT_TRY(auto samples, build_bricks(sampler, frame, winding, &distances, progress));
+  progress.begin_stage("compute smooth distances");
+  return SmoothSamples{std::move(samples),
+                       spline_lattice(distances, frame.cell_mm, max_distance_mm)};
 }
 
 }  // namespace
@@ -144,20 +174,16 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
   std::optional<WindingScanlines> scanlines;
   if (surface.closed) scanlines.emplace(surface.mesh_B, frame);
   const WindingScanlines* const winding = scanlines ? &*scanlines : nullptr;
-  LEFORT_TRY(DistanceField::Samples samples,
-             build_samples(surface, frame, options.method, winding, progress));
-  std::optional<SparseLattice> smooth;
-  if (options.smooth) {
-    progress.begin_stage("compute smooth distances");
-    const double max_distance_mm = frame.band_mm + kStencilCells * frame.cell_mm;
-    LEFORT_TRY(const SparseLattice distances,
-               sample_narrow_band(surface, frame, max_distance_mm, winding, progress));
-    smooth = spline_lattice(distances, frame.cell_mm, max_distance_mm);
+  const FieldSource source{surface.mesh_B.triangle_count(), surface.components, surface.report};
+  if (!options.smooth) {
+    LEFORT_TRY(DistanceField::Samples samples,
+               build_samples(surface, frame, options.method, winding, progress));
+    progress.report(1.0);
+    return DistanceField(frame, std::move(samples), std::nullopt, source);
   }
+  LEFORT_TRY(SmoothSamples made, build_smooth(surface, frame, options.method, winding, progress));
   progress.report(1.0);
-  return DistanceField(
-      frame, std::move(samples), std::move(smooth),
-      FieldSource{surface.mesh_B.triangle_count(), surface.components, surface.report});
+  return DistanceField(frame, std::move(made.samples), std::move(made.spline), source);
 }
 
 }  // namespace lefort::field

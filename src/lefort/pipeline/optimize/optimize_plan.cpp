@@ -77,7 +77,7 @@ Result<inverse::BoneClearance> clearance_of(const PreparedCase& prepared, double
                                             const StageCache& cache, Progress& progress) {
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
   LEFORT_TRY(const auto field,
-             find_field("remainder", remainder_L, overlap_field_options(prepared.plan, remainder_L),
+             find_field("remainder", remainder_L, bone_field_options(prepared.plan, remainder_L),
                         cache, progress));
   const std::vector<std::string> names = prepared.segment_names();
   std::vector<predict::MovingBone> bones;

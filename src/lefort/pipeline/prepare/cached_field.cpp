@@ -17,10 +17,10 @@ field::DistanceFieldOptions contact_field_options(const io::PlanFile& plan,
   return options;
 }
 
-field::DistanceFieldOptions overlap_field_options(const io::PlanFile& plan,
-                                                  const geometry::TriangleMesh& surface_B) {
+field::DistanceFieldOptions bone_field_options(const io::PlanFile& plan,
+                                               const geometry::TriangleMesh& surface_B) {
   field::DistanceFieldOptions options = contact_field_options(plan, surface_B);
-  options.smooth = false;
+  if (plan.contact.obstacle != predict::Obstacle::kBone) options.smooth = false;
   return options;
 }
 

@@ -15,17 +15,14 @@
 
 namespace lefort::pipeline {
 
-/// Options of the field that tissue in contact with a bone uses: of each segment and of stationary
-/// bone.
+/// Options of the field that contact reads: of an obstacle, or of a bone without one.
 ///
-/// \param surface_B  of the bone.
+/// \param surface_B  of the obstacle or bone.
 [[nodiscard]] field::DistanceFieldOptions contact_field_options(
     const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
 
-/// Options of the field of stationary bone that the check of bone overlap uses: not smooth.
-///
-/// \param surface_B  of the bone.
-[[nodiscard]] field::DistanceFieldOptions overlap_field_options(
+/// Options of the field of a bone itself. It is smooth only if contact reads it.
+[[nodiscard]] field::DistanceFieldOptions bone_field_options(
     const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
 
 /// \param name       of the bone, for the stage and the file.

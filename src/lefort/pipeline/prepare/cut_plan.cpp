@@ -60,9 +60,7 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
-    const field::DistanceFieldOptions field_options =
-        bone.name.empty() ? overlap_field_options(plan, *bone.surface_L)
-                          : contact_field_options(plan, *bone.surface_L);
+    const field::DistanceFieldOptions field_options = bone_field_options(plan, *bone.surface_L);
     LEFORT_TRY(const auto field,
                find_field(bone.field, *bone.surface_L, field_options, cache, progress));
     if (!field->frame().closed)

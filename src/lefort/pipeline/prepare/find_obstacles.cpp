@@ -22,15 +22,21 @@ namespace {
 
 // The reach changes in steps of this length, so that most changes of a path keep the obstacles.
 constexpr double kMotionStep_mm = 15.0;
+constexpr double kAnyMotion_mm = 20.0;  // Largest motion for which obstacles of any motion reach.
 
-/// Bone further than this from the tissue at rest cannot touch it on the path.
-double reach_mm(const predict::FaceModel& model, const io::PlanFile& plan,
-                const predict::TissueOptions& tissue) {
-  double motion_mm = 0.0;
+/// Largest motion of a vertex of a segment.
+double motion_mm(const predict::FaceModel& model, const io::PlanFile& plan, ObstacleMotion motion) {
+  if (motion == ObstacleMotion::kAny) return kAnyMotion_mm;
+  double max_mm = 0.0;
   for (std::size_t k = 0; k < plan.segments.size(); ++k)
-    motion_mm = std::max(
-        motion_mm, geometry::max_displacement_mm(plan.segments[k].path,
-                                                 model.segments[k].surface_B.vertices, 0.0, 1.0));
+    max_mm = std::max(
+        max_mm, geometry::max_displacement_mm(plan.segments[k].path,
+                                              model.segments[k].surface_B.vertices, 0.0, 1.0));
+  return max_mm;
+}
+
+/// Bone further than this from the tissue at rest cannot touch it.
+double reach_mm(double motion_mm, const io::PlanFile& plan, const predict::TissueOptions& tissue) {
   return 2.0 * predict::contact_band_mm(tissue, plan.contact.obstacle) +
          kMotionStep_mm * std::max(std::ceil(motion_mm / kMotionStep_mm), 1.0);
 }
@@ -113,27 +119,31 @@ Result<void> find_obstacle(const NamedBone& named, std::span<const predict::Adja
 
 Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
                             const predict::TissueOptions& tissue,
-                            predict::TissueInterface interface, const StageCache& cache,
-                            Progress& progress) {
+                            predict::TissueInterface interface, ObstacleMotion motion,
+                            const StageCache& cache, Progress& progress) {
   if (plan.contact.obstacle == predict::Obstacle::kBone ||
       !(predict::slides_on_segments(model.tissue, interface) || model.stationary_bone))
     return {};
-  const predict::RegularizationOptions options{.node_spacing_mm = predict::node_spacing_mm(tissue),
-                                               .reach_mm = reach_mm(model, plan, tissue)};
+  const predict::RegularizationOptions options{
+      .node_spacing_mm = predict::node_spacing_mm(tissue),
+      .reach_mm = reach_mm(motion_mm(model, plan, motion), plan, tissue)};
   progress.begin_stage("regularize the bones");
   LEFORT_TRY(const predict::TissueAtRest at_rest,
              predict::tissue_at_rest(model.tissue, options, progress));
   const std::vector<NamedBone> bones = bones_of(model, plan);
   const std::vector<predict::LoadLevel> levels =
       predict::load_levels(plan::paths_of(plan.segments), 1);
+  const auto parting_mm = [&](const NamedBone& one, const NamedBone& other) {
+    return motion == ObstacleMotion::kAny
+               ? std::numeric_limits<double>::infinity()
+               : separation_mm(one, other, levels, options.node_spacing_mm);
+  };
   for (const NamedBone& named : bones) {
     std::vector<predict::AdjacentBone> adjacent;
     for (const NamedBone& other : bones)
       if (other.bone != named.bone)
-        adjacent.push_back(
-            {other.bone->field_B,
-             predict::collar_mm(options.node_spacing_mm,
-                                separation_mm(named, other, levels, options.node_spacing_mm))});
+        adjacent.push_back({other.bone->field_B,
+                            predict::collar_mm(options.node_spacing_mm, parting_mm(named, other))});
     LEFORT_TRY_VOID(find_obstacle(named, adjacent, at_rest, plan, options, cache, progress));
   }
   return {};

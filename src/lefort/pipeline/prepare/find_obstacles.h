@@ -11,19 +11,26 @@
 
 namespace lefort::pipeline {
 
+/// Motion that obstacles are made for.
+enum class ObstacleMotion {
+  kPlanned,  ///< The paths of the plan.
+  kAny,      ///< Of up to 20 mm, with all cuts open.
+};
+
 /// Sets the obstacle (predict/regularized_bone.h) of each bone of a model, if the plan has them and
 /// tissue can slide on bone. A bone that the mesh cannot resolve keeps none, with a warning.
 ///
 /// \param model      with its tissue at rest.
-/// \param plan       its contact, field and paths are used.
+/// \param plan       its contact and field are used, and its paths for kPlanned.
 /// \param tissue     options of the mesh whose elements the obstacles resolve: the model's, or a
 ///   finer one.
 /// \param interface  of the model.
+/// \param motion     determines the reach of the obstacles and where they are kept apart.
 /// \param progress   receives the distance of each obstacle from its bone.
 /// \returns nothing, or the errors of find_field() and predict::regularize_bone().
 [[nodiscard]] Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
                                           const predict::TissueOptions& tissue,
-                                          predict::TissueInterface interface,
+                                          predict::TissueInterface interface, ObstacleMotion motion,
                                           const StageCache& cache, Progress& progress);
 
 }  // namespace lefort::pipeline

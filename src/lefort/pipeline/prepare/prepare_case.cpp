@@ -29,9 +29,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -68,7 +66,7 @@ Result<std::vector<predict::ContactBone>> find_segments(const plan::CutSegments&
                                                         Progress& progress) {
   std::vector<predict::ContactBone> segments;
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) {
-    LEFORT_TRY(auto field, find_field("segment", segment_L, contact_field_options(plan, segment_L),
+    LEFORT_TRY(auto field, find_field("segment", segment_L, bone_field_options(plan, segment_L),
                                       cache, progress));
     segments.push_back({segment_L, std::move(field)});
   }
@@ -106,7 +104,7 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
                                                                   Progress& progress) {
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
   LEFORT_TRY(const auto stationary_field,
-             find_field("remainder", remainder_L, overlap_field_options(plan, remainder_L), cache,
+             find_field("remainder", remainder_L, bone_field_options(plan, remainder_L), cache,
                         progress));
   progress.begin_stage("check bone overlap");
   if (!stationary_field->frame().closed)
@@ -204,8 +202,8 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
   if (!boundary.tissue.face_sets.contains(predict::sets::kStationaryContact) &&
       !predict::slides_on_stationary_bone(boundary.interface))
     return std::nullopt;
-  LEFORT_TRY(auto field, find_field("remainder", remainder_L,
-                                    contact_field_options(plan, remainder_L), cache, progress));
+  LEFORT_TRY(auto field, find_field("remainder", remainder_L, bone_field_options(plan, remainder_L),
+                                    cache, progress));
   return predict::ContactBone{remainder_L, std::move(field)};
 }
 
@@ -308,8 +306,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(
-      find_obstacles(model, plan, plan.tissue, plan.boundary.interface, cache, progress));
+  LEFORT_TRY_VOID(find_obstacles(model, plan, plan.tissue, plan.boundary.interface,
+                                 ObstacleMotion::kPlanned, cache, progress));
   Provenance provenance = provenance_of(plan, plan_sha256, head);
   return PreparedCase{std::move(plan),
                       std::move(provenance),
@@ -327,12 +325,11 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
 
 namespace {
 
-/// \param plan       whose paths the obstacles are for.
 /// \param obstacles  options of the mesh whose elements the obstacles resolve.
-Result<predict::FaceModel> remodel(const PreparedCase& prepared, const io::PlanFile& plan,
+Result<predict::FaceModel> remodel(const PreparedCase& prepared,
                                    const predict::TissueOptions& tissue,
                                    const predict::TissueOptions& obstacles,
-                                   const predict::BoundaryOptions& boundary,
+                                   const predict::BoundaryOptions& boundary, ObstacleMotion motion,
                                    const StageCache& cache, Progress& progress) {
   LEFORT_TRY(Tissue made,
              make_tissue({prepared.head, prepared.skin_L, prepared.cut, prepared.plan.segments,
@@ -347,23 +344,9 @@ Result<predict::FaceModel> remodel(const PreparedCase& prepared, const io::PlanF
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(find_obstacles(model, plan, obstacles, boundary.interface, cache, progress));
+  LEFORT_TRY_VOID(
+      find_obstacles(model, prepared.plan, obstacles, boundary.interface, motion, cache, progress));
   return model;
-}
-
-/// The plan with paths on which all bones part by more than an element, within 20 mm: obstacles for
-/// any motion.
-io::PlanFile with_any_motion(io::PlanFile plan) {
-  constexpr double kMotion_mm = 20.0;
-  for (std::size_t k = 0; k < plan.segments.size(); ++k) {
-    const double angle = 2.0 * std::numbers::pi * double(k) / double(plan.segments.size());
-    geometry::RigidPath& path = plan.segments[k].path;
-    path.keyframes = {geometry::Keyframe{
-        .path_fraction = 1.0,
-        .translation_mm = kMotion_mm * Vec3(0.0, std::cos(angle), std::sin(angle))}};
-    path.steps = 1;
-  }
-  return plan;
 }
 
 }  // namespace
@@ -372,14 +355,20 @@ Result<predict::FaceModel> remodel_face(const PreparedCase& prepared,
                                         const predict::TissueOptions& tissue,
                                         const predict::BoundaryOptions& boundary,
                                         const StageCache& cache, Progress& progress) {
-  return remodel(prepared, prepared.plan, tissue, tissue, boundary, cache, progress);
+  return remodel(prepared, tissue, tissue, boundary, ObstacleMotion::kPlanned, cache, progress);
 }
 
-Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
-                                         const predict::TissueOptions& tissue,
-                                         const StageCache& cache, Progress& progress) {
-  return remodel(prepared, with_any_motion(prepared.plan), tissue, prepared.plan.tissue,
-                 prepared.plan.boundary, cache, progress);
+Result<predict::FacePreview> preview_face(const PreparedCase& prepared,
+                                          const geometry::TriangleMesh& skin_L,
+                                          const StageCache& cache, Progress& progress) {
+  const predict::PredictionOptions options{predict::preview_tissue(prepared.plan.tissue),
+                                           prepared.plan.boundary, prepared.plan.contact,
+                                           prepared.plan.solver};
+  LEFORT_TRY(predict::FaceModel model,
+             remodel(prepared, options.tissue, prepared.plan.tissue, options.boundary,
+                     ObstacleMotion::kAny, cache, progress));
+  return predict::FacePreview::create(std::move(model), prepared.segment_names(), skin_L, options,
+                                      prepared.scan_grid.spacing_mm, progress);
 }
 
 }  // namespace lefort::pipeline

@@ -14,6 +14,7 @@
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/predict/bone_overlap_at_fraction.h>
+#include <lefort/predict/face_preview.h>
 #include <lefort/predict/predict_face.h>
 
 #include <filesystem>
@@ -78,14 +79,15 @@ struct PreparedCase {
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
 
-/// The model of a preview of a prepared case. Its obstacles have the resolution of the plan's own
-/// mesh and are those of cuts that have opened, for any motion of up to 20 mm.
+/// The preview of a prepared case. Its obstacles have the resolution of the plan's own mesh and are
+/// those of cuts that have opened, for any motion of up to 20 mm.
 ///
-/// \param tissue  predict::preview_tissue().
-/// \returns as remodel_face().
-[[nodiscard]] Result<predict::FaceModel> preview_model(const PreparedCase& prepared,
-                                                       const predict::TissueOptions& tissue,
-                                                       const StageCache& cache, Progress& progress);
+/// \param skin_L  the surface that is displaced.
+/// \returns the preview; the errors of remodel_face() and predict::FacePreview::create().
+[[nodiscard]] Result<predict::FacePreview> preview_face(const PreparedCase& prepared,
+                                                        const geometry::TriangleMesh& skin_L,
+                                                        const StageCache& cache,
+                                                        Progress& progress);
 
 /// Makes the model of a prepared case again with another mesh or interface; bones and the fields of
 /// segments are those of the case.

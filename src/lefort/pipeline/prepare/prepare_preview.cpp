@@ -55,14 +55,8 @@ Result<CaseWithPreview> make_preview(const PreviewJob& job, Progress& progress) 
     return fail(ErrorCode::kPlanInvalid,
                 "the skin was made with other thresholds or labels than the plan's: "
                 "run the job segment again");
-  const predict::PredictionOptions options{predict::preview_tissue(prepared.plan.tissue),
-                                           prepared.plan.boundary, prepared.plan.contact,
-                                           prepared.plan.solver};
   progress.begin_stage("make the model of the preview");
-  LEFORT_TRY(predict::FaceModel model, preview_model(prepared, options.tissue, cache, progress));
-  LEFORT_TRY(predict::FacePreview face,
-             predict::FacePreview::create(std::move(model), prepared.segment_names(), skin_L,
-                                          options, prepared.scan_grid.spacing_mm, progress));
+  LEFORT_TRY(predict::FacePreview face, preview_face(prepared, skin_L, cache, progress));
   return CaseWithPreview{std::move(prepared), std::move(face)};
 }
 

@@ -1,4 +1,3 @@
-#include <lefort/core/version.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
@@ -6,7 +5,6 @@
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/verify.h>
@@ -81,16 +79,6 @@ Result<void> add_distance_from(const std::filesystem::path& prediction,
   return {};
 }
 
-Result<predict::FacePreview> make_face(const PreparedCase& prepared, const StageCache& cache,
-                                       Progress& progress) {
-  const predict::PredictionOptions options{predict::preview_tissue(prepared.plan.tissue),
-                                           prepared.plan.boundary, prepared.plan.contact,
-                                           prepared.plan.solver};
-  LEFORT_TRY(predict::FaceModel model, preview_model(prepared, options.tissue, cache, progress));
-  return predict::FacePreview::create(std::move(model), prepared.segment_names(), prepared.skin_L,
-                                      options, prepared.scan_grid.spacing_mm, progress);
-}
-
 }  // namespace
 
 Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress) {
@@ -101,7 +89,8 @@ Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress) {
   LEFORT_TRY(const PreparedCase prepared,
              prepare_case(text.plan, io::Sha256().add(text.json).hex(), job.ct, cache, progress));
   const auto begin = Clock::now();
-  LEFORT_TRY(const predict::FacePreview face, make_face(prepared, cache, progress));
+  LEFORT_TRY(const predict::FacePreview face,
+             preview_face(prepared, prepared.skin_L, cache, progress));
   const double prepare_s = seconds_since(begin);
   const std::vector<geometry::RigidPath> paths = prepared.paths();
   const int frames = std::max(2, int(std::ceil(length_mm(paths) / job.frame_mm)));
