@@ -75,6 +75,27 @@ TEST(CommandLine, ImportReadsAVolumeAndSaysWhatItIs) {
   EXPECT_TRUE(std::filesystem::exists(folder / "ct.nrrd"));
 }
 
+/// In Chrome's format: complete events with times in microseconds.
+TEST(CommandLine, AProfileHasTheStagesOfACommand) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
+  const std::string segment = "segment " + quoted(folder / "ct.nrrd") + " -o " +
+                              quoted(folder / "anatomy") + " --quiet --profile ";
+  ASSERT_EQ(run_lefort(segment + quoted(folder / "profile.json")).exit_code, 0);
+  const auto profile =
+      nlohmann::json::parse(io::read_text(folder / "profile.json", 1 << 20).value())["traceEvents"];
+  bool has_stage = false;
+  for (const auto& event : profile) {
+    EXPECT_EQ(event["ph"], "X");
+    EXPECT_GE(event["dur"].get<double>(), 0.0);
+    has_stage = has_stage || event["name"] == "segment tissues";
+  }
+  EXPECT_TRUE(has_stage);
+  const auto unwritable = run_lefort(segment + quoted(folder / "none/profile.json"));
+  EXPECT_EQ(unwritable.exit_code, 1);
+  EXPECT_NE(unwritable.error.find("none/profile.json"), std::string::npos) << unwritable.error;
+}
+
 TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));

@@ -3,6 +3,7 @@
 #include <lefort/contact/step_bound.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 
 #include <fmt/format.h>
 
@@ -20,16 +21,29 @@ namespace {
 /// skull far less passes (study "contact on a real head").
 constexpr double kMaxPassedFraction = 0.02;
 
-/// Gaps at the points of a rule.
-struct RuleGaps {
+/// Distances at the points of a rule, in the frame of the bone.
+struct RuleDistances {
+  Mat3 R_LB;
   std::array<Vec3, kMaxPoints> p_L;
-  std::array<Gap, kMaxPoints> gaps;
+  std::array<SignedDistanceSample, kMaxPoints> samples;
 
-  RuleGaps(const RigidObstacle& obstacle, const FaceQuadrature& rule, std::span<const Vec3> x_L,
-           Derivatives derivatives) {
+  RuleDistances(const RigidObstacle& obstacle, const FaceQuadrature& rule,
+                std::span<const Vec3> x_L, Derivatives derivatives)
+      : R_LB(obstacle.X_LB.linear()) {
     const std::size_t count = rule.points.size();
-    for (std::size_t q = 0; q < count; ++q) p_L[q] = interpolate(rule.points[q], x_L);
-    measure_gaps(obstacle, std::span(p_L).first(count), derivatives, std::span(gaps).first(count));
+    std::array<Vec3, kMaxPoints> p_B;
+    for (std::size_t q = 0; q < count; ++q) {
+      p_L[q] = interpolate(rule.points[q], x_L);
+      p_B[q] = R_LB.transpose() * (p_L[q] - obstacle.X_LB.translation());
+    }
+    obstacle.distance_query_B->measure(std::span(p_B).first(count), derivatives,
+                                       std::span(samples).first(count));
+  }
+
+  /// Only the few points in contact need gradient and Hessian in L.
+  [[nodiscard]] Vec3 gradient_L(std::size_t q) const { return R_LB * samples[q].gradient_B; }
+  [[nodiscard]] Mat3 hessian_L(std::size_t q) const {
+    return R_LB * samples[q].hessian_B * R_LB.transpose();
   }
 };
 
@@ -122,12 +136,15 @@ void ContactTerm::for_each_point(std::size_t patch, std::span<const Vec3> x_L,
   const ContactPatch& of = surface_.patch(patch);
   const PatchPositions x(of.span(), x_L);
   const FaceQuadrature& rule = face_quadrature(of.rule);
-  const RuleGaps at(obstacle_, rule, x.span(), Derivatives::kFirst);
+  const RuleDistances at(obstacle_, rule, x.span(), Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q)
     f(PointGap{.number = of.first_point + q,
                .N = std::span(rule.points[q].N).first(of.count),
                .p_L = at.p_L[q],
-               .gap = at.gaps[q]});
+               .gap = {.zone = at.samples[q].zone,
+                       .gap_mm = at.samples[q].distance_mm,
+                       .gradient_L = at.gradient_L(q),
+                       .hessian_L = Mat3::Zero()}});
 }
 
 PointContact ContactTerm::contact_at(const PointGap& at) const {
@@ -157,18 +174,20 @@ void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
 
 double ContactTerm::passed_fraction(const RigidTransform& from_X_LB, std::span<const Vec3> from_L,
                                     std::span<const Vec3> to_L) const {
+  const TraceSpan span("find passages through bone");
   const RigidObstacle at_origin{.distance_query_B = obstacle_.distance_query_B};
   const RigidTransform X_BL = obstacle_.X_LB.inverse(), from_X_BL = from_X_LB.inverse();
   std::vector<double> touching_mm2(faces_.size(), 0.0), passed_mm2(faces_.size(), 0.0);
   parallel_for(Index(faces_.size()), [&](Index n) {
     const ContactPatch& patch = surface_.patch(std::size_t(n));
     const PatchPositions from(patch.span(), from_L), to(patch.span(), to_L);
-    const auto& points = face_quadrature(patch.rule).points;
-    for (std::size_t q = 0; q < points.size(); ++q) {
+    const FaceQuadrature& rule = face_quadrature(patch.rule);
+    const RuleDistances end(obstacle_, rule, to.span(), Derivatives::kFirst);
+    for (std::size_t q = 0; q < rule.points.size(); ++q) {
+      if (end.samples[q].distance_mm >= 0.0) continue;
       const double area_mm2 = surface_.area_mm2(patch.first_point + q);
-      const Vec3 end_B = X_BL * interpolate(points[q], to.span());
-      const Vec3 start_B = from_X_BL * interpolate(points[q], from.span());
-      if (measure_gap(at_origin, end_B, Derivatives::kFirst).gap_mm >= 0.0) continue;
+      const Vec3 end_B = X_BL * end.p_L[q];
+      const Vec3 start_B = from_X_BL * interpolate(rule.points[q], from.span());
       touching_mm2[std::size_t(n)] += area_mm2;
       if (allowed_fraction(at_origin, start_B, end_B - start_B) < 1.0)
         passed_mm2[std::size_t(n)] += area_mm2;
@@ -195,24 +214,26 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   if (clearance_.is_out_of_range(std::size_t(item), obstacle_, x_L, rule.displacement_bound))
     return true;
   const bool is_projected = local.wants_stiffness() && local.tangent != fem::Tangent::kExact;
-  const RuleGaps measured(obstacle_, rule, x_L,
-                          local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
+  const RuleDistances at(obstacle_, rule, x_L,
+                         local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
     const std::size_t number = patch.first_point + q;
-    const Gap& gap = measured.gaps[q];
-    if (gap.zone == field::Zone::kInside) return false;
-    if (gap.zone == field::Zone::kUnknown && is_zone_known_[number]) return false;
-    const double depth_mm = rest_gaps_mm_[number] - gap.gap_mm;
-    if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
+    const field::Zone zone = at.samples[q].zone;
+    if (zone == field::Zone::kInside) return false;
+    if (zone == field::Zone::kUnknown && is_zone_known_[number]) return false;
+    const double depth_mm = rest_gaps_mm_[number] - at.samples[q].distance_mm;
+    if (zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
     const double area_mm2 = surface_.area_mm2(number);
+    const Vec3 gradient_L = at.gradient_L(q);
+    const Mat3 hessian_L = local.wants_stiffness() ? at.hessian_L(q) : Mat3::Zero();
     const PenaltyResponse response =
-        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, options_.law);
+        penalty_response(depth_mm, gradient_L, hessian_L, options_.law);
     local.energy_mj += area_mm2 * response.energy_mj_per_mm2;
     ++local.contacts;
     local.deepest_mm = std::max(local.deepest_mm, depth_mm);
     const Mat3 hessian_mpa_per_mm =
-        is_projected ? psd_projected_hessian(depth_mm, gap.gradient_L, gap.hessian_L, options_.law)
+        is_projected ? psd_projected_hessian(depth_mm, gradient_L, hessian_L, options_.law)
                      : response.hessian_mpa_per_mm;
     add_point(area_mm2, std::span(rule.points[q].N).first(x_L.size()), response, hessian_mpa_per_mm,
               local);
@@ -245,9 +266,13 @@ std::vector<DepthSample> ContactTerm::depths_of_face(std::size_t face,
   double area_mm2 = 0.0;  // Of the reference surface.
   for (std::size_t q = 0; q < face_quadrature(surface_.patch(face).rule).points.size(); ++q)
     area_mm2 += surface_.area_mm2(surface_.patch(face).first_point + q);
-  for (std::size_t n = 0; n < dense.points.size(); ++n) {
-    const Vec3& p_L = dense.points[n].x_L;
-    const Gap gap = measure_gap(obstacle_, p_L, Derivatives::kFirst);
+  std::vector<Vec3> points_L(dense.points.size());
+  std::ranges::transform(dense.points, points_L.begin(), &DensePoint::x_L);
+  std::vector<Gap> gaps(points_L.size());
+  measure_gaps(obstacle_, points_L, Derivatives::kFirst, gaps);
+  for (std::size_t n = 0; n < points_L.size(); ++n) {
+    const Vec3& p_L = points_L[n];
+    const Gap& gap = gaps[n];
     const RestGaps& rest = dense_rest_gaps_[face][n];
     const double depth_mm = rest.obstacle_mm - gap.gap_mm;
     const bool has_depth = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kInside;
@@ -261,6 +286,7 @@ std::vector<DepthSample> ContactTerm::depths_of_face(std::size_t face,
 }
 
 ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
+  const TraceSpan span("measure depths");
   std::vector<std::vector<DepthSample>> depths(faces_.size());
   std::vector<std::vector<PointContact>> points(faces_.size());
   parallel_for(Index(faces_.size()), [&](Index n) {

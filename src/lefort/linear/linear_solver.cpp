@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 #include <lefort/linear/conjugate_gradients.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/linear/multigrid.h>
@@ -98,6 +99,7 @@ struct LinearSolver::Parts {
     ++statistics.analyses;
     statistics.factor_entries = 0.0;
     if (wanted != LinearSolverKind::kMultigrid) {
+      const TraceSpan span("analyze matrix");
       std::optional<CholeskyPlan> plan = plan_cholesky(A);
       if (!plan) return LinearSolveStatus::kOutOfMemory;
       statistics.factor_entries = double(plan->factor_entries);
@@ -110,6 +112,7 @@ struct LinearSolver::Parts {
   }
 
   [[nodiscard]] LinearSolveStatus factorize_values(std::span<const double> of_A) {
+    const TraceSpan span("factorize");
     ++statistics.factorizations;
     const LinearSolveStatus outcome = cholesky->factorize(of_A);
     has_factor = factor_is_new = outcome == LinearSolveStatus::kDone;
@@ -140,6 +143,7 @@ struct LinearSolver::Parts {
   }
 
   [[nodiscard]] LinearSolveStatus build_multigrid() {
+    const TraceSpan span("build multigrid");
     ++statistics.factorizations;
     multigrid.reset();  // Frees memory first.
     auto built = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
@@ -154,6 +158,7 @@ struct LinearSolver::Parts {
   template <class Precondition>
   [[nodiscard]] CgOutcome iterate(const VectorX& b, const Precondition& precondition,
                                   double tolerance, int max_iterations) {
+    const TraceSpan span("conjugate gradients");
     CgOutcome outcome =
         conjugate_gradients([&](const VectorX& x, VectorX& y) { multiply(blocks->matrix(), x, y); },
                             precondition, b, VectorX::Zero(b.size()), tolerance, max_iterations);
@@ -162,6 +167,7 @@ struct LinearSolver::Parts {
   }
 
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_directly(const VectorX& b) const {
+    const TraceSpan span("solve with factor");
     std::optional<VectorX> x = cholesky->solve(b);
     if (!x) return tl::unexpected(LinearSolveStatus::kOutOfMemory);
     return *std::move(x);

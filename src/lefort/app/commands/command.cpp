@@ -1,8 +1,10 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/profile.h>
 #include <lefort/app/commands/slicer_progress.h>
 #include <lefort/app/commands/terminal_progress.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/printable.h>
+#include <lefort/core/trace.h>
 
 #include <fmt/format.h>
 
@@ -13,12 +15,25 @@ void CommandContext::run(const std::string& command,
   const ThreadLimit limit(threads);
   stop_on_interrupt();
   Result<pipeline::Summary> summary;
+  const auto run_with = [&](Progress& progress) {
+    if (profile.empty()) {
+      summary = work(progress);
+      return;
+    }
+    start_trace();
+    {
+      StageTrace traced(progress);
+      summary = work(traced);
+    }
+    if (const auto written = write_profile(profile); !written && summary)
+      summary = tl::unexpected(written.error());
+  };
   if (slicer_progress) {
     SlicerProgress progress;
-    summary = work(progress);
+    run_with(progress);
   } else {
     TerminalProgress progress(quiet);
-    summary = work(progress);
+    run_with(progress);
   }
   if (!summary) {
     fmt::print(stderr, "lefort {}: {}\n", command, printable(summary.error().message));

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -21,6 +22,7 @@ struct CommandContext {
   int threads = 0;  ///< 0: as many as the machine has.
   bool json = false;
   bool quiet = false;
+  std::filesystem::path profile = {};  ///< File for a profile; empty: none.
   bool slicer_progress = false;  ///< Progress on stdout, for 3D Slicer.
   int exit_code = kExitDone;
 

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/assembly_plan.h>
 
@@ -157,6 +158,7 @@ const DofMap& Assembler::dofs() const { return plan_->dofs; }
 std::span<const Vec3> Assembler::nodes_L() const { return plan_->nodes_L; }
 
 std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
+  const TraceSpan span("assemble forces");
   const VectorX x_L = plan_->positions_L(u);
   AssembledForces sum{.residual_n = VectorX::Zero(u.size())};
   const bool has_followers = plan_->has_followers();
@@ -211,6 +213,7 @@ std::string Assembler::inadmissible_cause(const VectorX& u) const {
 }
 
 linear::SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
+  const TraceSpan span("assemble tangent");
   const VectorX x_L = plan_->positions_L(u);
   linear::SparseMatrix K = plan_->layout.pattern;
   std::vector<double> forces(std::size_t(plan_->layout.force_buffer_size));
@@ -229,6 +232,7 @@ linear::SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
         },
         kItemsPerTask);
     for (const double energy : energies) LEFORT_CHECK(!std::isnan(energy));
+    const TraceSpan gather("gather stiffness");
     gather_stiffness(chunk.stiffness, stiffness, plan_->dofs, plan_->layout.blocks, K.valuePtr());
   }
   return K;

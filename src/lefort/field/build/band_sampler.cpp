@@ -1,4 +1,5 @@
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 #include <lefort/field/build/band_sampler.h>
 #include <lefort/field/build/nearest_by_tree.h>
 #include <lefort/field/build/triangle_brick_overlaps.h>
@@ -121,6 +122,7 @@ BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame
 Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const FieldFrame& frame,
                                         double max_distance_mm, Index max_points,
                                         Progress& progress, Simd simd) {
+  const TraceSpan span("find bricks of the band");
   BandSampler sampler(surface, frame, max_distance_mm, simd);
   LEFORT_TRY_VOID(sampler.bin_triangles());
   const Index max_bricks = max_points / SparseLattice::kBrickPoints;

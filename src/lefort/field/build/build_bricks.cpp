@@ -1,4 +1,5 @@
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 #include <lefort/field/build/build_bricks.h>
 #include <lefort/field/sign/brick_signs.h>
 #include <lefort/field/sign/outside_band.h>
@@ -228,6 +229,7 @@ void restrict_to_band(Distances& distances, BrickSigns& signs, float band_mm) {
 Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& frame,
                                  const WindingScanlines* winding, SparseLattice* wide,
                                  Progress& progress) {
+  const TraceSpan span("sample bricks");
   const std::span<const std::int32_t> candidates = sampler.bricks();
   BrickStore store(frame.resolution, candidates.size());
   std::vector<EncodedBrick> wave(

@@ -1,4 +1,5 @@
 #include <lefort/core/parallel.h>
+#include <lefort/core/trace.h>
 #include <lefort/field/sign/violates_lipschitz.h>
 #include <lefort/field/storage/spline_lattice.h>
 
@@ -33,6 +34,7 @@ float value_without_conflict(const SparseLattice& values, const LatticePoint& po
 }  // namespace
 
 SparseLattice spline_lattice(const SparseLattice& values, double cell, double max_magnitude) {
+  const TraceSpan span("spline of the field");
   std::vector<std::int32_t> bricks;
   for (Index slot = 0; slot < values.brick_count(); ++slot) {
     const auto brick = values.brick(slot);
