@@ -26,9 +26,10 @@ constexpr double kColumnKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
 
 /// Relative change of the axial force by the compressibility of the material. By reciprocity it is
-/// the mean of the pressure p' of a unit stretch between the fixed ends, weighted by the pressure of
-/// the torsion, over kappa. Both are parabolas over the radius: 4/3 of the mean of p', which is that
-/// of the axial stress, 3 mu (1 + a^2 / (2 L^2)) (\cite gent1959), less its deviatoric part, 2 mu.
+/// the mean of the pressure p' of a unit stretch between the fixed ends, weighted by the pressure
+/// of the torsion, over kappa. Both are parabolas over the radius: 4/3 of the mean of p', which is
+/// that of the axial stress, 3 mu (1 + a^2 / (2 L^2)) (\cite gent1959), less its deviatoric part,
+/// 2 mu.
 constexpr double kAxialChange =
     4.0 / 3.0 *
     (3.0 * (1.0 + 0.5 * kColumnRadius_mm * kColumnRadius_mm / kColumnLength_mm / kColumnLength_mm) -

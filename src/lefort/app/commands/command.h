@@ -23,7 +23,7 @@ struct CommandContext {
   bool json = false;
   bool quiet = false;
   std::filesystem::path profile = {};  ///< File for a profile; empty: none.
-  bool slicer_progress = false;  ///< Progress on stdout, for 3D Slicer.
+  bool slicer_progress = false;        ///< Progress on stdout, for 3D Slicer.
   int exit_code = kExitDone;
 
   /// Runs `work` with progress on stderr, prints its summary on stdout or its error on stderr, and

@@ -19,8 +19,8 @@ namespace lefort::field {
 /// \param sampler   of `frame`, with frame.band_mm or, with `wide`, a larger distance.
 /// \param frame     lattice of the field.
 /// \param winding   of the surface, or null if it is open.
-/// \param wide      null, or a lattice of the sampler's bricks: receives all samples of the sampler,
-///   as sample_narrow_band() has them.
+/// \param wide      null, or a lattice of the sampler's bricks: receives all samples of the
+///   sampler, as sample_narrow_band() has them.
 /// \param progress  receives the fraction done; may cancel.
 /// \returns the samples; kCancelled; or kInvalidArgument if there are more than 2^32 leaves.
 [[nodiscard]] Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
