@@ -11,6 +11,7 @@
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -231,6 +232,11 @@ Result<std::string> run_detection(const DetectionOptions& options, Progress& pro
   const std::vector<Measured> all = measure_all(queries, skull_B, points_L, options.repeats);
   const std::string table =
       methods_table(all, queries, skull_B, options) + samples_table(queries, samples_L);
+  nlohmann::ordered_json methods = nlohmann::ordered_json::object();
+  for (const Measured& one : all)
+    methods[one.name] = {{"wall_s", one.time.wall_s}, {"processor_s", one.time.processor_s}};
+  const nlohmann::ordered_json document{{"points", options.points}, {"methods", methods}};
+  LEFORT_TRY_VOID(io::write_text(options.output / "detection.json", document.dump(1) + "\n"));
   LEFORT_TRY_VOID(io::write_text(options.output / "detection.md", table));
   return table;
 }

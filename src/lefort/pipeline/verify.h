@@ -66,6 +66,29 @@ struct PreviewBenchJob {
 ///   io::write_text().
 [[nodiscard]] Result<Summary> bench_preview(const PreviewBenchJob& job, Progress& progress);
 
+struct BenchAllJob {
+  std::filesystem::path ct;
+  std::filesystem::path output;                  ///< A folder; made if missing.
+  std::optional<std::filesystem::path> plan;     ///< Also its prediction and preview.
+  std::optional<std::filesystem::path> against;  ///< bench.json of an earlier run.
+  double threshold = 0.15;  ///< Allowed loss of a ratio, as a fraction of the stored one.
+  int repeats = 3;          ///< Of each measurement; medians are reported.
+  std::vector<int> resolutions = {128, 256, 512};  ///< Of the fields.
+  int comparison_cells = 16;  ///< Per side of the block that CalculiX solves, too.
+};
+
+struct BenchSummary {
+  Summary summary;
+  bool passed = true;  ///< No ratio is lower than stored by more than the threshold.
+};
+
+/// Runs the benchmarks of fields, contact detection and the solver with their peers, and of a
+/// plan's prediction and preview. Writes each one's files, and bench.md, .json and a plot of all.
+///
+/// \returns the summary; kFileCorrupt if `against` is not such a file; kCancelled; or the errors of
+///   the benchmarks, predict_case() and bench_preview().
+[[nodiscard]] Result<BenchSummary> bench_all(const BenchAllJob& job, Progress& progress);
+
 struct VerifyJob {
   std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
   bool full = false;             ///< All meshes of the report; otherwise those of the test.

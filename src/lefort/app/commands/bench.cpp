@@ -180,6 +180,52 @@ void add_preview(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_all(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::BenchAllJob>();
+  CLI::App* const command = bench.add_subcommand(
+      "all", "Run the benchmarks with their peers, and compare the ratios with stored ones");
+  mark_path(command->add_option("ct", job->ct, "The scan: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for bench.md, .json, .svg and the files of each benchmark"),
+            PathKind::kNewFolder)
+      ->required();
+  mark_path(command->add_option("--plan", job->plan,
+                                "Also measure the prediction and the preview of this plan"),
+            PathKind::kPlan);
+  mark_path(command->add_option("--against", job->against,
+                                "bench.json of an earlier run: exit code 1 if a ratio is lower"),
+            PathKind::kParameters);
+  command->add_option("--threshold", job->threshold, "Allowed loss of a ratio, as a fraction")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--resolution", job->resolutions, "Cells along each side of the fields")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024}))
+      ->capture_default_str();
+  command
+      ->add_option("--comparison-cells", job->comparison_cells,
+                   "Cells along a side of the block of the comparison with CalculiX")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--repeats", job->repeats, "Runs of each; their median is reported")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->footer(
+      "Example:\n  lefort bench all ct.nrrd -o bench/ --plan "
+      "examples/midface_forward_clinical.json "
+      "--against docs/studies/bench.json");
+  command->callback([job, &context] {
+    bool passed = true;
+    context.run("bench all", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const pipeline::BenchSummary done, pipeline::bench_all(*job, progress));
+      passed = done.passed;
+      return done.summary;
+    });
+    if (!passed) context.exit_code = kExitFailed;
+  });
+}
+
 void add_detection(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::DetectionOptions>();
   CLI::App* const command = bench.add_subcommand(
@@ -279,6 +325,7 @@ void add_field_task(CLI::App& bench, CommandContext& context) {
 void add_bench_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const bench = cli.add_subcommand("bench", "Run benchmarks");
   bench->require_subcommand(1);
+  add_all(*bench, context);
   add_table1(*bench, context);
   add_scaling(*bench, context);
   add_convergence(*bench, context);
