@@ -51,7 +51,10 @@ TEST(Trace, ThreadsHaveNumbersOfTheirOwn) {
 TEST(Trace, ANewRecordBeginsAtZero) {
   start_trace();
   record_event("old", 0.0);
-  start_trace();
+  {
+    const TraceSpan span("of the old record");
+    start_trace();
+  }
   record_event("new", trace_time_us());
   const std::vector<TraceEvent> events = stop_trace();
   ASSERT_EQ(events.size(), 1U);

@@ -170,6 +170,40 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
   EXPECT_GT(near_the_edge, 500);
 }
 
+/// Bricks and the wide lattice are made from the same samples.
+TEST(BuildBricks, AWideLatticeHasTheSamplesOfTheNarrowBand) {
+  const TriangleMesh ball = test::make_icosphere(10.0, 3);
+  const PreparedSurface surface = prepare_surface(ball).value();
+  FieldFrame frame{.origin_B = Vec3::Constant(-16.0), .cell_mm = 1.0, .resolution = 32};
+  frame.band_mm = 2.5;
+  frame.closed = true;
+  constexpr double kWide_mm = 4.5;
+  const WindingScanlines winding(surface.mesh_B, frame);
+  const BandSampler sampler = BandSampler::create(surface, frame, kWide_mm).value();
+  const std::span<const std::int32_t> bricks = sampler.bricks();
+  SparseLattice wide(frame.resolution, {bricks.begin(), bricks.end()}, kUnsampled);
+  const BrickSamples both = build_bricks(sampler, frame, &winding, &wide, Progress::none()).value();
+  const SparseLattice alone =
+      sample_narrow_band(surface, frame, kWide_mm, &winding, Progress::none()).value();
+  const BrickSamples narrow =
+      build_bricks(BandSampler::create(surface, frame, frame.band_mm).value(), frame, &winding,
+                   nullptr, Progress::none())
+          .value();
+  Index known = 0;
+  for (Index slot = 0; slot < wide.brick_count(); ++slot)
+    for (std::size_t i = 0; i < std::size_t(SparseLattice::kBrickPoints); ++i) {
+      const float a = wide.brick(slot)[i], b = alone.brick(slot)[i];
+      ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+      known += std::isnan(a) ? 0 : 1;
+    }
+  EXPECT_GT(known, 5000);
+  for (int k = 0; k <= frame.resolution; ++k)
+    for (int j = 0; j <= frame.resolution; ++j)
+      for (int i = 0; i <= frame.resolution; ++i)
+        ASSERT_EQ(BrickSamples::read_code(both.code_address({i, j, k})),
+                  BrickSamples::read_code(narrow.code_address({i, j, k})));
+}
+
 TEST(BuildBricks, ALeafWhoseOnlySampleIsInConflictIsUnknownThere) {
   // A small triangle mesh inside a box, placed so that one lattice point of a leaf is in its band
   // and all other points of the leaf are in no band. That point is in conflict with a neighbor in

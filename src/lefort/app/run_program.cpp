@@ -30,7 +30,7 @@ int run_command(int argc, char** argv) {
   cli.add_flag("--json", context.json, "Print the summary as JSON");
   cli.add_flag("--quiet", context.quiet, "Show no progress");
   cli.add_option("--profile", context.profile,
-                 "File for the time of each stage and what takes it, Chrome trace JSON");
+                 "File for the times of stages and of the work in them, Chrome trace JSON");
   cli.add_flag("--slicer-progress", context.slicer_progress)->group("");  // docs/guide/slicer.md
   cli.failure_message([](const CLI::App* app, const CLI::Error& error) {
     return fmt::format("{}: {} (see {} --help)\n", app->get_name(), error.what(), app->get_name());

@@ -14,7 +14,7 @@ namespace lefort::bench {
 
 struct DetectionOptions {
   std::filesystem::path ct;      ///< Anything import_volume() reads.
-  std::filesystem::path output;  ///< Folder for skull.vtp (reused if present), detection.md and .json.
+  std::filesystem::path output;  ///< For skull.vtp (reused if present), detection.md and .json.
   Index points = 50'000;         ///< Number, within max_distance_mm of the moved skull.
   double max_distance_mm = 2.0;
   int resolution = 256;  ///< Of the field; its band is 5 mm, as in examples/midface_forward.json.

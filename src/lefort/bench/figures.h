@@ -14,10 +14,11 @@ namespace lefort::bench {
 struct Figure {
   std::string name;
   double value = 0.0;
-  std::string unit = "times";  ///< "times": a ratio to `peer`, which ran beside it.
+  std::string unit = "times";  ///< "times": a ratio to `peer` in the same run.
   std::string peer = "";       ///< Empty: there is none.
 
-  /// Ratios hardly depend on the machine; only they are compared with stored ones.
+  /// Ratios to peers depend less on the machine than times do; only they are compared with stored
+  /// ones.
   [[nodiscard]] bool is_ratio() const { return unit == "times"; }
 };
 
@@ -37,14 +38,14 @@ struct Figure {
 /// Compares ratios with those of an earlier run.
 ///
 /// \param figures    measured.
-/// \param stored     {"figures": {name: ratio}}; write_figures() has this form.
+/// \param stored     {"figures": {name: ratio}}, as of to_json().
 /// \param threshold  allowed loss, as a fraction of the stored ratio.
 /// \returns a sentence for each ratio that is lower by more than the threshold, or missing.
 [[nodiscard]] std::vector<std::string> find_regressions(std::span<const Figure> figures,
                                                         const nlohmann::ordered_json& stored,
                                                         double threshold);
 
-/// \returns the ratios as find_regressions() reads them, and all other figures.
+/// \returns {"figures": ratios, "others": all other figures}.
 [[nodiscard]] nlohmann::ordered_json to_json(std::span<const Figure> figures);
 
 /// \param stored  as for find_regressions(), or null.

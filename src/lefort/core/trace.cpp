@@ -23,7 +23,7 @@ struct Record {
   std::mutex mutex;  ///< Of the members below.
   std::vector<TraceEvent> events;
   std::uint32_t threads = 0;
-  std::uint32_t generation = 0;
+  std::atomic<std::uint32_t> generation = 0;
 };
 
 Record& record() {
@@ -41,10 +41,10 @@ std::uint32_t thread_number(Record& all) {
   return number;
 }
 
-void add(std::string name, std::int64_t begin_ns, std::int64_t end_ns) {
+void add(std::string name, std::uint32_t generation, std::int64_t begin_ns, std::int64_t end_ns) {
   Record& all = record();
   const std::scoped_lock lock(all.mutex);
-  if (!all.is_on || all.events.size() >= kMaxEvents) return;
+  if (!all.is_on || generation != all.generation || all.events.size() >= kMaxEvents) return;
   all.events.push_back({std::move(name), double(begin_ns - all.begin_ns) * 1e-3,
                         double(end_ns - begin_ns) * 1e-3, thread_number(all)});
 }
@@ -71,16 +71,19 @@ std::vector<TraceEvent> stop_trace() {
 
 TraceSpan::TraceSpan(const char* name)
     : name_(record().is_on.load(std::memory_order_relaxed) ? name : nullptr) {
-  if (name_ != nullptr) begin_ns_ = now_ns();
+  if (name_ == nullptr) return;
+  record_ = record().generation;
+  begin_ns_ = now_ns();
 }
 
 TraceSpan::~TraceSpan() {
-  if (name_ != nullptr) add(name_, begin_ns_, now_ns());
+  if (name_ != nullptr) add(name_, record_, begin_ns_, now_ns());
 }
 
 void record_event(std::string name, double begin_us) {
   if (!record().is_on) return;
-  add(std::move(name), record().begin_ns + std::int64_t(begin_us * 1e3), now_ns());
+  add(std::move(name), record().generation, record().begin_ns + std::int64_t(begin_us * 1e3),
+      now_ns());
 }
 
 double trace_time_us() {

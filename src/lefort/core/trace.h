@@ -24,7 +24,8 @@ void start_trace();
 [[nodiscard]] std::vector<TraceEvent> stop_trace();
 
 /// Records the time from its construction to its destruction, if there is a record; otherwise it
-/// costs one load. For work of more than about 0.1 ms: at most a million events are kept.
+/// costs one load. A span that outlives its record is dropped. For work of more than about 0.1 ms:
+/// at most a million events are kept.
 class TraceSpan {
  public:
   /// \param name  a literal.
@@ -36,6 +37,7 @@ class TraceSpan {
  private:
   const char* name_;  ///< Null without a record.
   std::int64_t begin_ns_ = 0;
+  std::uint32_t record_ = 0;  ///< In which it began.
 };
 
 /// Records an event of this thread that began at `begin_us`, for names that are not literals.

@@ -72,7 +72,7 @@ struct BenchAllJob {
   std::optional<std::filesystem::path> plan;     ///< Also its prediction and preview.
   std::optional<std::filesystem::path> against;  ///< bench.json of an earlier run.
   double threshold = 0.15;  ///< Allowed loss of a ratio, as a fraction of the stored one.
-  int repeats = 3;          ///< Of each measurement; medians are reported.
+  int repeats = 3;          ///< Builds of fields and runs of CalculiX; medians are reported.
   std::vector<int> resolutions = {128, 256, 512};  ///< Of the fields.
   int comparison_cells = 16;  ///< Per side of the block that CalculiX solves, too.
 };
@@ -85,7 +85,8 @@ struct BenchSummary {
 /// Runs the benchmarks of fields, contact detection and the solver with their peers, and of a
 /// plan's prediction and preview. Writes each one's files, and bench.md, .json and a plot of all.
 ///
-/// \returns the summary; kFileCorrupt if `against` is not such a file; kCancelled; or the errors of
+/// \returns the summary; kFileCorrupt if `against` is not such a file; kInvalidArgument if it is of
+///   another scan or would be overwritten; kCancelled; or the errors of io::read_plan_text(),
 ///   the benchmarks, predict_case() and bench_preview().
 [[nodiscard]] Result<BenchSummary> bench_all(const BenchAllJob& job, Progress& progress);
 

@@ -34,6 +34,7 @@ constexpr double kCollarFraction = 1.5;
 constexpr double kCutFraction = 0.5;        // Of the node spacing: a wider cut is not closed.
 constexpr double kMinAgreement = 0.5;       // Cosine between the gradients behind a wall.
 constexpr double kMaxBandFraction = 0.4;    // A quarter of the field's cube is the widest band.
+constexpr double kMinBandFraction = 0.02;   // Of the tissue's extent: five cells of 256.
 constexpr double kNearBand_spacings = 4.0;  // Of the tissue's fine field, beyond a wall.
 constexpr int kFarCoarsening = 4;           // Of the tissue's coarse field, which limits the reach.
 constexpr double kPadding_sigmas = 4.0;     // Beyond the Gaussian's cutoff.
@@ -228,7 +229,8 @@ Result<TissueAtRest> tissue_at_rest(const mesh::VolumeMesh& tissue,
   const double extent_mm = box_L.sizes().maxCoeff();
   const double spacing_mm = kSpacingFraction * options.node_spacing_mm;
   const auto field_of = [&](double wanted_mm, int coarsening) {
-    const double band_mm = std::min(wanted_mm, kMaxBandFraction * extent_mm);
+    const double min_mm = kMinBandFraction * extent_mm;  // At the highest resolution.
+    const double band_mm = std::min(std::max(wanted_mm, min_mm), kMaxBandFraction * extent_mm);
     return field::build_distance_field(
         boundary_L,
         {.resolution = resolution_of(extent_mm + 2.0 * band_mm, coarsening * spacing_mm),
@@ -239,7 +241,9 @@ Result<TissueAtRest> tissue_at_rest(const mesh::VolumeMesh& tissue,
   LEFORT_TRY(
       field::DistanceField field_L,
       field_of(kWallFraction * options.node_spacing_mm + kNearBand_spacings * spacing_mm, 1));
-  LEFORT_TRY(field::DistanceField far_L, field_of(options.reach_mm + spacing_mm, kFarCoarsening));
+  // Trilinear distances reach a diagonal of a cell less than the band.
+  const double diagonal_mm = std::numbers::sqrt3 * kFarCoarsening * spacing_mm;
+  LEFORT_TRY(field::DistanceField far_L, field_of(options.reach_mm + diagonal_mm, kFarCoarsening));
   return TissueAtRest{box_L, std::move(field_L), std::move(far_L)};
 }
 

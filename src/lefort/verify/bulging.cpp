@@ -29,8 +29,8 @@ constexpr double kBulgePoisson = 0.499;
 constexpr double kBulgeGrading = 2.5;
 constexpr double kOrder = 2.0;
 
-/// A compression and its reference: the middle of the limits of seven shapes on the meshes of the
-/// full form, which the report lists.
+/// A compression and its reference: the middle of the limits of seven shapes with one pressure per
+/// element.
 struct Load {
   const char* name;
   double compression;
@@ -233,7 +233,8 @@ Section verify_bulging(Extent extent, Progress& progress) {
           "A cube of 2 mm (an eighth is meshed), nu = {}, is compressed between plates to which "
           "it sticks; its sides bulge. There is no closed form. The report has the force on a "
           "plate and the displacement of the center of a side, over {:.6f} N and {:.6f} mm at {}, "
-          "{:.5f} N and {:.5f} mm at {}. These are the values on which seven shapes agree; the "
+          "{:.5f} N and {:.5f} mm at {}. These are the values on which seven shapes agreed with "
+          "one pressure per element; the "
           "columns of limits show how closely. Stress is singular at the edges of the plates, "
           "where the displacement of an incompressible body varies as the distance to the power "
           "0.595 (Williams 1952). On regular meshes the order is therefore at most 1.19. Cells "

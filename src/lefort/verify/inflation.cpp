@@ -154,10 +154,10 @@ const char* name_of_vessel(Vessel vessel) {
 
 /// Order of the radius. In hex20 the pressure at a corner of one element only is that of its
 /// neighbors (lone_corners.h): its error there is of the first order, and that of the displacement
-/// beside it of the second. The quarter of the cylinder and the octant of the sphere have such
-/// corners.
+/// beside it of the second. Such corners are the ends of the arc of the cylinder: a part h of its
+/// nodes, so that the root mean square has order 2.5; and the three corners of the octant.
 double radius_order(mesh::ElementShape shape) {
-  return shape == mesh::ElementShape::kHex20 ? 2.0 : averaged_order(shape);
+  return shape == mesh::ElementShape::kHex20 ? 2.5 : averaged_order(shape);
 }
 
 /// Cells across the wall. The sphere with eight quadratic elements across needs ten minutes.
@@ -208,7 +208,10 @@ void inflate(Vessel vessel, mesh::ElementShape shape, Extent extent, double want
   check_error_order(
       name, errors,
       {.order = radius_order(shape),
-       .order_reason = "at least p + 1; 2 for hex20, whose pressure at lone corners is not free"},
+       .order_reason = "at least p + 1; 2.5 for hex20, whose pressure at lone corners is not free",
+       .known_failure = extent == Extent::kShort && shape == mesh::ElementShape::kHex20
+                            ? "the meshes of the short form are too coarse for it"
+                            : ""},
       section);
 }
 
@@ -226,7 +229,7 @@ Section inflation_section() {
           "computed for the compressible law, from the radial equation of equilibrium by Runge "
           "and Kutta's method, and compared with the closed form. The report has the error of the "
           "inner radius as a fraction of its growth. Expected orders: 3 for tet10 and wedge15, 2 "
-          "for hex8 and for hex20, whose pressure is not free at corners of one element only. The "
+          "for hex8, 2.5 for hex20, whose pressure is not free at corners of one element only. The "
           "error on the finest mesh must be that predicted from the two meshes before it.",
           kShellKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
 }

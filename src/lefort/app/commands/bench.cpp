@@ -194,8 +194,9 @@ void add_all(CLI::App& bench, CommandContext& context) {
   mark_path(command->add_option("--plan", job->plan,
                                 "Also measure the prediction and the preview of this plan"),
             PathKind::kPlan);
-  mark_path(command->add_option("--against", job->against,
-                                "bench.json of an earlier run: exit code 1 if a ratio is lower"),
+  mark_path(command->add_option(
+                "--against", job->against,
+                "bench.json of an earlier run: exit code 1 if a ratio is lower or missing"),
             PathKind::kParameters);
   command->add_option("--threshold", job->threshold, "Allowed loss of a ratio, as a fraction")
       ->check(CLI::Range(0.0, 1.0))
@@ -208,13 +209,15 @@ void add_all(CLI::App& bench, CommandContext& context) {
                    "Cells along a side of the block of the comparison with CalculiX")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--repeats", job->repeats, "Runs of each; their median is reported")
+  command
+      ->add_option("--repeats", job->repeats,
+                   "Builds of fields and runs of CalculiX; their medians are reported")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->footer(
       "Example:\n  lefort bench all ct.nrrd -o bench/ --plan "
       "examples/midface_forward_clinical.json "
-      "--against docs/studies/bench.json");
+      "--against before/bench.json");
   command->callback([job, &context] {
     bool passed = true;
     context.run("bench all", [&](Progress& progress) -> Result<pipeline::Summary> {

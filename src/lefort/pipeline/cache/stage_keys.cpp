@@ -8,7 +8,7 @@ namespace {
 
 // Raise with every change of a stage's code that may change its result.
 constexpr double kLabelsRevision = 7;
-constexpr double kFieldRevision = 5;
+constexpr double kFieldRevision = 6;
 constexpr double kTissueRevision = 7;
 constexpr double kSkinRevision = 2;
 

@@ -20,7 +20,9 @@ field::DistanceFieldOptions contact_field_options(const io::PlanFile& plan,
 field::DistanceFieldOptions bone_field_options(const io::PlanFile& plan,
                                                const geometry::TriangleMesh& surface_B) {
   field::DistanceFieldOptions options = contact_field_options(plan, surface_B);
-  if (plan.contact.obstacle != predict::Obstacle::kBone) options.smooth = false;
+  if (plan.contact.obstacle != predict::Obstacle::kBone &&
+      plan.boundary.interface != predict::TissueInterface::kBonded)
+    options.smooth = false;
   return options;
 }
 

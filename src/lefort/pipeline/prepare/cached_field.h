@@ -15,13 +15,14 @@
 
 namespace lefort::pipeline {
 
-/// Options of the field that contact reads: of an obstacle, or of a bone without one.
+/// Options of the field of a regularized bone, or of a bone that contact reads itself.
 ///
-/// \param surface_B  of the obstacle or bone.
+/// \param surface_B  of either.
 [[nodiscard]] field::DistanceFieldOptions contact_field_options(
     const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
 
-/// Options of the field of a bone itself. It is smooth only if contact reads it.
+/// Options of the field of a bone before its obstacle exists. It is smooth only if contact will
+/// read the bone itself.
 [[nodiscard]] field::DistanceFieldOptions bone_field_options(
     const io::PlanFile& plan, const geometry::TriangleMesh& surface_B);
 

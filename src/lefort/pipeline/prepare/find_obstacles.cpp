@@ -82,6 +82,17 @@ std::vector<NamedBone> bones_of(predict::FaceModel& model, const io::PlanFile& p
   return bones;
 }
 
+/// The fields of bones that contact reads themselves.
+Result<void> find_bone_fields(predict::FaceModel& model, const io::PlanFile& plan,
+                              const StageCache& cache, Progress& progress) {
+  for (const NamedBone& named : bones_of(model, plan)) {
+    LEFORT_TRY(named.bone->field_B,
+               find_field(named.field, named.bone->surface_B,
+                          contact_field_options(plan, named.bone->surface_B), cache, progress));
+  }
+  return {};
+}
+
 Result<void> find_obstacle(const NamedBone& named, std::span<const predict::AdjacentBone> adjacent,
                            const predict::TissueAtRest& tissue, const io::PlanFile& plan,
                            const predict::RegularizationOptions& options, const StageCache& cache,
@@ -121,9 +132,9 @@ Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
                             const predict::TissueOptions& tissue,
                             predict::TissueInterface interface, ObstacleMotion motion,
                             const StageCache& cache, Progress& progress) {
-  if (plan.contact.obstacle == predict::Obstacle::kBone ||
-      !(predict::slides_on_segments(model.tissue, interface) || model.stationary_bone))
-    return {};
+  if (plan.contact.obstacle == predict::Obstacle::kBone) return {};
+  if (!predict::slides_on_segments(model.tissue, interface) && !model.stationary_bone)
+    return find_bone_fields(model, plan, cache, progress);
   const predict::RegularizationOptions options{
       .node_spacing_mm = predict::node_spacing_mm(tissue),
       .reach_mm = reach_mm(motion_mm(model, plan, motion), plan, tissue)};
@@ -133,7 +144,7 @@ Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
   const std::vector<NamedBone> bones = bones_of(model, plan);
   const std::vector<predict::LoadLevel> levels =
       predict::load_levels(plan::paths_of(plan.segments), 1);
-  const auto parting_mm = [&](const NamedBone& one, const NamedBone& other) {
+  const auto between_mm = [&](const NamedBone& one, const NamedBone& other) {
     return motion == ObstacleMotion::kAny
                ? std::numeric_limits<double>::infinity()
                : separation_mm(one, other, levels, options.node_spacing_mm);
@@ -143,7 +154,7 @@ Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
     for (const NamedBone& other : bones)
       if (other.bone != named.bone)
         adjacent.push_back({other.bone->field_B,
-                            predict::collar_mm(options.node_spacing_mm, parting_mm(named, other))});
+                            predict::collar_mm(options.node_spacing_mm, between_mm(named, other))});
     LEFORT_TRY_VOID(find_obstacle(named, adjacent, at_rest, plan, options, cache, progress));
   }
   return {};

@@ -4,7 +4,9 @@
 #include <lefort/bench/table1.h>
 #include <lefort/core/version.h>
 #include <lefort/io/output_folder.h>
+#include <lefort/io/plan_file.h>
 #include <lefort/io/read_text.h>
+#include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/predict.h>
 #include <lefort/pipeline/verify.h>
@@ -25,6 +27,7 @@ using Json = nlohmann::ordered_json;
 using bench::Figure;
 
 constexpr std::uintmax_t kMaxBytes = 1 << 26;
+constexpr const char* kFile = "bench.json";
 
 Result<Json> read_figures(const fs::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
@@ -35,13 +38,22 @@ Result<Json> read_figures(const fs::path& file) {
 }
 
 /// Ratios of an earlier run; null without one.
-Result<Json> read_stored(const BenchAllJob& job) {
+/// \param scan  SHA-256 of the scan of this run.
+Result<Json> read_stored(const BenchAllJob& job, const std::string& scan) {
   if (!job.against) return Json();
+  std::error_code ignored;
+  if (fs::equivalent(*job.against, job.output / kFile, ignored))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} would be overwritten; choose another output folder",
+                            job.against->string()));
   LEFORT_TRY(Json stored, read_figures(*job.against));
   if (!stored.is_object() || !stored.contains("figures") || !stored.at("figures").is_object())
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{}: has no \"figures\"; give a bench.json of `lefort bench all`",
                             job.against->string()));
+  if (!scan.empty() && stored.value("scan", scan) != scan)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: is of another scan", job.against->string()));
   return stored;
 }
 
@@ -52,6 +64,8 @@ void append(std::vector<Figure> more, std::vector<Figure>& figures) {
 Result<std::vector<Figure>> measure_parts(const BenchAllJob& job, Progress& progress) {
   std::vector<Figure> figures;
   const fs::path fields = job.output / "fields", solve = job.output / "solve";
+  std::error_code ignored;
+  fs::remove(fields / "skull.vtp", ignored);  // It may be of another scan.
   LEFORT_TRY(const std::string table1, bench::run_table1({.ct = job.ct,
                                                           .output = fields,
                                                           .resolutions = job.resolutions,
@@ -99,7 +113,7 @@ Result<std::vector<Figure>> measure_plan(const BenchAllJob& job, Progress& progr
   return figures;
 }
 
-/// All ratios in one plot: log2 of each by its number in the table.
+/// All ratios in one plot, in the order of the table.
 std::string plot_of(std::span<const Figure> figures, const Json& stored) {
   report::PlotLine now{.name = "measured"}, before{.name = "stored"};
   const Json none = Json::object();
@@ -115,7 +129,7 @@ std::string plot_of(std::span<const Figure> figures, const Json& stored) {
     before.y.push_back(kept.at(name).get<double>());
   }
   report::LinePlot plot{.title = "Ratios to peers",
-                        .x_label = "number of the ratio in the table",
+                        .x_label = "ratio, in the order of the table",
                         .y_label = "times as fast as its peer",
                         .y_axis = report::Axis::kLog,
                         .lines = {now}};
@@ -135,7 +149,7 @@ std::string page_of(std::span<const Figure> figures, const Json& stored,
     text += regressions.empty()
                 ? fmt::format("No ratio is more than {:.0f} % below the stored one.\n",
                               100.0 * job.threshold)
-                : "Below the stored ratios:\n\n";
+                : "Below the stored ratios, or missing:\n\n";
   for (const std::string& sentence : regressions) text += "- " + sentence + "\n";
   return text;
 }
@@ -143,9 +157,20 @@ std::string page_of(std::span<const Figure> figures, const Json& stored,
 }  // namespace
 
 Result<BenchSummary> bench_all(const BenchAllJob& job, Progress& progress) {
+  if (job.plan) LEFORT_TRY_VOID(io::read_plan_text(*job.plan));  // Errors now, not after an hour.
+  std::string scan;                                              // Empty for a folder.
+  if (!fs::is_directory(job.ct)) {
+    LEFORT_TRY(scan, io::sha256_of_file(job.ct));
+  }
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  LEFORT_TRY(const Json stored, read_stored(job));
+  LEFORT_TRY(const Json stored, read_stored(job, scan));
+  const auto write_figures = [&](std::span<const Figure> figures) {
+    Json document = bench::to_json(figures);
+    document["scan"] = scan;
+    return io::write_text(job.output / kFile, document.dump(1) + "\n");
+  };
   LEFORT_TRY(std::vector<Figure> figures, measure_parts(job, progress));
+  LEFORT_TRY_VOID(write_figures(figures));
   if (job.plan) {
     LEFORT_TRY(std::vector<Figure> of_plan, measure_plan(job, progress));
     append(std::move(of_plan), figures);
@@ -153,8 +178,7 @@ Result<BenchSummary> bench_all(const BenchAllJob& job, Progress& progress) {
   const std::vector<std::string> regressions =
       bench::find_regressions(figures, stored, job.threshold);
   const std::string page = page_of(figures, stored, regressions, job);
-  LEFORT_TRY_VOID(
-      io::write_text(job.output / "bench.json", bench::to_json(figures).dump(1) + "\n"));
+  LEFORT_TRY_VOID(write_figures(figures));
   LEFORT_TRY_VOID(io::write_text(job.output / "bench.svg", plot_of(figures, stored)));
   LEFORT_TRY_VOID(io::write_text(job.output / "bench.md", page));
   return BenchSummary{.summary = {.text = page,
