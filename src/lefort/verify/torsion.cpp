@@ -26,7 +26,7 @@ constexpr double kColumnKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
 
 /// Relative change of the axial force by the compressibility of the material. By reciprocity it is
-/// the integral of p p' over kappa and over the force, with the hydrostatic pressure of the torsion,
+/// the integral of p p' over kappa and the force, with the hydrostatic pressure of the torsion,
 /// p = mu tau^2 (a^2 / 2 - 5 r^2 / 6), and that of a unit stretch between fixed ends,
 /// p' = mu (1 + 3 (a^2 - r^2) / L^2) (\cite gent1959).
 constexpr double kAxialChange = -(1.0 / 3.0 + 4.0 / 3.0 * kColumnRadius_mm * kColumnRadius_mm /
