@@ -103,9 +103,9 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAnd
                                                                   const StageCache& cache,
                                                                   Progress& progress) {
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
-  LEFORT_TRY(const auto stationary_field,
-             find_field("remainder", remainder_L, bone_field_options(plan, remainder_L), cache,
-                        progress));
+  LEFORT_TRY(
+      const auto stationary_field,
+      find_field("remainder", remainder_L, bone_field_options(plan, remainder_L), cache, progress));
   progress.begin_stage("check bone overlap");
   if (!stationary_field->frame().closed)
     progress.note(
