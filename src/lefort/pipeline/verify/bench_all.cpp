@@ -140,10 +140,10 @@ std::string plot_of(std::span<const Figure> figures, const Json& stored) {
 std::string page_of(std::span<const Figure> figures, const Json& stored,
                     std::span<const std::string> regressions, const BenchAllJob& job) {
   std::string text = fmt::format(
-      "# Benchmarks\n\nlefort {}, `lefort bench all`. {}. Ratios are those of runs on this "
-      "machine, "
-      "one beside the other: how many times as fast as the peer. Medians of {}.\n\n{}\n"
-      "![Ratios to peers](bench.svg)\n\n",
+      "# Benchmarks\n\nlefort {}, `lefort bench all`. {} A ratio is how many times as fast as its "
+      "peer lefort is, one after the other on this machine. Builds of fields and runs of "
+      "CalculiX: medians of {}; queries: the best of several; growth, prediction and preview: one "
+      "run.\n\n{}\n![Ratios to peers](bench.svg)\n\n",
       kVersion, kNotForClinicalUse, job.repeats, bench::figure_table(figures, stored));
   if (job.against)
     text += regressions.empty()
