@@ -25,7 +25,7 @@ enum class ObstacleMotion {
 /// \param tissue     options of the mesh whose elements the obstacles resolve: the model's, or a
 ///   finer one.
 /// \param interface  of the model.
-/// \param motion     determines the reach of the obstacles and where they are kept apart.
+/// \param motion     determines the reach of the obstacles and which cuts are open.
 /// \param progress   receives the distance of each obstacle from its bone.
 /// \returns nothing, or the errors of find_field() and predict::regularize_bone().
 [[nodiscard]] Result<void> find_obstacles(predict::FaceModel& model, const io::PlanFile& plan,
