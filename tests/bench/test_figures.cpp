@@ -33,6 +33,19 @@ TEST(Figures, ARunWithoutItsPeerHasNoRatio) {
   EXPECT_TRUE(figures_of_solve(Json::object()).empty());
 }
 
+TEST(Figures, ContactIsComparedByTheFastestFormulation) {
+  const Json contact = {{"lefort, quadrature", {{"seconds", 4.0}, {"force_z_n", -2.28}}},
+                        {"lefort, weighted", {{"seconds", 5.0}, {"force_z_n", -2.29}}},
+                        {"CalculiX, node to surface", {{"seconds", 100.0}, {"force_z_n", -2.3}}},
+                        {"CalculiX, mortar", {{"failure", "CalculiX ended with 201"}}}};
+  std::vector<Figure> ratios;
+  for (const Figure& figure : figures_of_contact(contact))
+    if (figure.is_ratio()) ratios.push_back(figure);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_NEAR(ratios[0].value, 25.0, 1e-12);
+  EXPECT_EQ(ratios[0].peer, "CalculiX, node to surface");
+}
+
 TEST(Figures, ALossBeyondTheThresholdIsFound) {
   const std::vector<Figure> before{{.name = "a", .value = 10.0, .peer = "p"},
                                    {.name = "b", .value = 4.0, .peer = "p"},

@@ -87,6 +87,24 @@ std::vector<Figure> figures_of_solve(const Json& solve) {
   return figures;
 }
 
+std::vector<Figure> figures_of_contact(const Json& contact) {
+  std::vector<Figure> figures;
+  std::optional<double> fastest_s;
+  for (const auto& [name, run] : contact.items()) {
+    const auto seconds = number_at(run, "/seconds");
+    if (!seconds || !name.starts_with("lefort")) continue;
+    figures.push_back({.name = "ball on a block, " + name, .value = *seconds, .unit = "s"});
+    figures.push_back({.name = "ball on a block, vertical force, " + name,
+                       .value = run.at("force_z_n"),
+                       .unit = "N"});
+    if (!fastest_s || *seconds < *fastest_s) fastest_s = seconds;
+  }
+  for (const auto& [name, run] : contact.items())
+    if (name.starts_with("CalculiX"))
+      add_ratio("ball on a block", name, number_at(run, "/seconds"), fastest_s, figures);
+  return figures;
+}
+
 namespace {
 
 /// As stored: one name for each pair of a measurement and its peer.

@@ -3,14 +3,18 @@ import { messageOf } from './errors';
 import type { Planner, SceneListeners } from './planner_context';
 import { stageOf } from './state';
 
-/** Requests during a drag: the overlap at once, the preview of the face after the drag. */
+/** Requests during a drag: overlap, and preview of the face. */
 export class LiveQueries {
   private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = {
     wanted: null,
     running: false,
     times: [],
   };
-  private previewAborter: AbortController | null = null;
+  private previewLoop: {
+    wanted: { poses: Record<string, Mat4>; since: number | null } | null;
+    /** Of the running loop; null if none runs. */
+    aborter: AbortController | null;
+  } = { wanted: null, aborter: null };
 
   constructor(
     private readonly planner: Planner,
@@ -52,31 +56,49 @@ export class LiveQueries {
     loop.running = false;
   }
 
-  /** Requests the face for the current poses; `since` is the time when the drag ended. */
-  async requestPreview(since: number): Promise<void> {
+  /**
+   * Requests the face for the current poses; while a request runs, only the newest poses are kept.
+   * `since` is the time when the drag ended, null during a drag.
+   */
+  requestPreview(since: number | null): void {
     const { s } = this.planner.model;
-    this.previewAborter?.abort();
     if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
       this.dropPreview();
       return;
     }
-    const aborter = (this.previewAborter = new AbortController());
-    this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
-    try {
-      const xyz = await this.planner.client.preview(this.planner.cutPoses(), aborter.signal);
-      this.listeners.onPreview(xyz);
-      const max_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
-      requestAnimationFrame(() =>
-        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', max_mm } }),
-      );
-    } catch (error) {
-      if (aborter.signal.aborted) return;
-      this.listeners.onPreview(null);
-      this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), max_mm: 0 } });
+    this.previewLoop.wanted = { poses: this.planner.cutPoses(), since };
+    if (since !== null || s.preview.state !== 'shown') this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
+    if (!this.previewLoop.aborter) void this.runPreviews();
+  }
+
+  private async runPreviews(): Promise<void> {
+    const loop = this.previewLoop;
+    const aborter = (loop.aborter = new AbortController());
+    while (loop.wanted && !aborter.signal.aborted) {
+      const { poses, since } = loop.wanted;
+      const begin = since ?? performance.now();
+      loop.wanted = null;
+      try {
+        const xyz = await this.planner.client.preview(poses, aborter.signal);
+        if (aborter.signal.aborted) return;
+        this.listeners.onPreview(xyz);
+        const max_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
+        // The next request begins after the face is drawn, so that every update is seen.
+        await new Promise(requestAnimationFrame);
+        if (aborter.signal.aborted) return;
+        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - begin, why: '', max_mm } });
+      } catch (error) {
+        if (aborter.signal.aborted) return;
+        this.listeners.onPreview(null);
+        this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), max_mm: 0 } });
+      }
     }
+    loop.aborter = null;
   }
 
   dropPreview(): void {
+    this.previewLoop.aborter?.abort();
+    this.previewLoop.aborter = this.previewLoop.wanted = null;
     this.listeners.onPreview(null);
     if (this.planner.model.s.preview.state !== 'none')
       this.planner.patch({ preview: { state: 'none', latency_ms: null, why: '', max_mm: 0 } });

@@ -1,5 +1,6 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/path_kind.h>
+#include <lefort/bench/contact_bench.h>
 #include <lefort/bench/detection.h>
 #include <lefort/bench/field_process.h>
 #include <lefort/bench/field_scaling.h>
@@ -291,6 +292,30 @@ void add_solve(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_contact(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::ContactBenchOptions>();
+  const auto without_peer = std::make_shared<bool>(false);
+  CLI::App* const command = bench.add_subcommand(
+      "contact", "Press a ball into a block and slide it along: compared with CalculiX");
+  mark_path(command->add_option("-o,--output", options->output,
+                                "Folder for contact.md, .json and the files of CalculiX"),
+            PathKind::kNewFolder)
+      ->required();
+  command->add_option("--repeats", options->repeats, "Runs of lefort; their median is reported")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_flag("--without-calculix", *without_peer, "Measure lefort only");
+  command->footer("Example:\n  lefort bench contact -o contact/");
+  command->callback([options, without_peer, &context] {
+    if (context.threads > 0) options->threads = context.threads;
+    options->with_peer = !*without_peer;
+    context.run("bench contact", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const std::string table, bench::run_contact_bench(*options, progress));
+      return pipeline::Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
 /// A single measurement, in a process started by `bench solve`.
 void add_solve_task(CLI::App& bench, CommandContext& context) {
   const auto task = std::make_shared<std::string>();
@@ -338,6 +363,7 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   add_field_task(*bench, context);
   add_solve(*bench, context);
   add_solve_task(*bench, context);
+  add_contact(*bench, context);
 }
 
 }  // namespace lefort::app

@@ -1,3 +1,4 @@
+#include <lefort/bench/contact_bench.h>
 #include <lefort/bench/detection.h>
 #include <lefort/bench/figures.h>
 #include <lefort/bench/solve_block.h>
@@ -84,6 +85,11 @@ Result<std::vector<Figure>> measure_parts(const BenchAllJob& job, Progress& prog
           {.output = solve, .repeats = job.repeats, .pair_cells = job.comparison_cells}, progress));
   LEFORT_TRY(const Json solve_json, read_figures(solve / "solve.json"));
   append(bench::figures_of_solve(solve_json), figures);
+  const fs::path contact = job.output / "contact";
+  LEFORT_TRY(const std::string ball,
+             bench::run_contact_bench({.output = contact, .repeats = job.repeats}, progress));
+  LEFORT_TRY(const Json contact_json, read_figures(contact / "contact.json"));
+  append(bench::figures_of_contact(contact_json), figures);
   return figures;
 }
 
