@@ -21,15 +21,18 @@ struct PreparedLeaves {
 };
 
 /// Sixteen points, relative to the origin of the tree.
+template <Simd simd>
 struct Tile {
-  Floats x, y, z;
+  Floats<simd> x, y, z;
 };
 
 /// Squared distances of the points from a box.
-LEFORT_INLINE Floats squared_to_box(const TriangleTree::Node& box, const Tile& tile) {
-  const Floats x = larger(larger(box.low[0] - tile.x, tile.x - box.high[0]), Floats{});
-  const Floats y = larger(larger(box.low[1] - tile.y, tile.y - box.high[1]), Floats{});
-  const Floats z = larger(larger(box.low[2] - tile.z, tile.z - box.high[2]), Floats{});
+template <Simd simd>
+LEFORT_INLINE Floats<simd> squared_to_box(const TriangleTree::Node& box, const Tile<simd>& tile) {
+  const auto none = Floats<simd>::filled(0.0F);
+  const auto x = larger(larger(box.low[0] - tile.x, tile.x - box.high[0]), none);
+  const auto y = larger(larger(box.low[1] - tile.y, tile.y - box.high[1]), none);
+  const auto z = larger(larger(box.low[2] - tile.z, tile.z - box.high[2]), none);
   return x * x + y * y + z * z;
 }
 
@@ -43,74 +46,110 @@ LEFORT_INLINE float squared_to_box(const TriangleTree::Node& box,
   return sum;
 }
 
+/// What is the same for all tiles of a brick.
+struct SearchedBrick {
+  const geometry::TriangleMesh& mesh;
+  const TriangleTree& tree;
+  const Vec3& low;
+  double cell;
+  double max_distance_mm;
+};
+
+/// Visits the triangles of leaf `n`.
+///
+/// \param first  the first point of the tile in the brick.
+/// \returns true if one of them is the nearest so far.
 template <Simd simd>
-LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                            const Vec3& low, double cell, double max_distance_mm,
-                            NearestInBrick& nearest) {
-  constexpr int kTileX = int(NearestInBrick::kTileX), kTileY = int(NearestInBrick::kTileY),
-                kTileZ = int(NearestInBrick::kTileZ);
-  PreparedLeaves prepared;
-  const auto step = float(cell);
-  const Vec3 from_origin = low - tree.origin;
-  const std::array<float, 3> first = {float(from_origin[0]), float(from_origin[1]),
-                                      float(from_origin[2])};
+LEFORT_INLINE bool visit_leaf(const SearchedBrick& brick, std::int32_t n,
+                              const std::array<int, 3>& first, PreparedLeaves& prepared,
+                              NearestInBrick& nearest) {
+  using Row = Pack<float, kQuantities, simd>;
+  const TriangleTree::Node& node = brick.tree.nodes[std::size_t(n)];
+  const std::span triangles(brick.tree.order.data() + node.first, std::size_t(node.count));
+  const std::size_t slot = std::size_t(n) % PreparedLeaves::kSlots;
+  Batch& batch = prepared.planes[slot];
+  if (std::exchange(prepared.leaf[slot], n) != n)
+    prepare_triangles<simd>(brick.mesh, triangles, brick.low, brick.cell, brick.max_distance_mm,
+                            batch);
+  const std::size_t offset = NearestInBrick::linear_offset(first[0], first[1], first[2]);
+  bool is_nearer = false;
+  for (std::size_t l = 0; l < triangles.size(); ++l) {
+    const Planes& planes = batch[l];
+    alignas(32) Quantities here;
+    (Row::loaded(planes.at_low.data()) + Row::loaded(planes.step[1].data()) * float(first[1]) +
+     Row::loaded(planes.step[2].data()) * float(first[2]) +
+     Row::loaded(planes.step[0].data()) * float(first[0]))
+        .store(here.data());
+    const auto quantity = [&](std::size_t q) __attribute__((always_inline)) {
+      return within_tile<simd>(planes, q) + here[q];
+    };
+    is_nearer |= visit_tile<simd>(planes, quantity, triangles[l], offset, nearest);
+  }
+  return is_nearer;
+}
+
+/// Updates the nearest triangles of a tile.
+///
+/// \param start  leaf that is visited first, or -1; then the last one with a nearest triangle: with
+///   the one of the previous tile most others are ruled out at once.
+template <Simd simd>
+LEFORT_INLINE void find_in_tile(const SearchedBrick& brick, const std::array<int, 3>& first,
+                                PreparedLeaves& prepared, std::int32_t& start,
+                                NearestInBrick& nearest) {
+  const std::size_t offset = NearestInBrick::linear_offset(first[0], first[1], first[2]);
+  if (!any(Ints<simd>::loaded(&nearest.code[offset]) < Ints<simd>::filled(0))) return;
+  const auto step = float(brick.cell);
+  const auto at = [&](int k) __attribute__((always_inline)) {
+    return float(brick.low[k] - brick.tree.origin[k]);
+  };
+  const Tile<simd> tile = {
+      (Floats<simd>::loaded(kTileX_cells.data()) + float(first[0])) * step + at(0),
+      (Floats<simd>::loaded(kTileY_cells.data()) + float(first[1])) * step + at(1),
+      (Floats<simd>::loaded(kTileZ_cells.data()) + float(first[2])) * step + at(2)};
+  const std::array<float, 3> middle = {at(0) + step * (float(first[0]) + 1.5F),
+                                       at(1) + step * (float(first[1]) + 0.5F),
+                                       at(2) + step * (float(first[2]) + 0.5F)};
+  const std::int32_t visited = start;
+  if (visited >= 0) visit_leaf<simd>(brick, visited, first, prepared, nearest);
+  const std::vector<TriangleTree::Node>& nodes = brick.tree.nodes;
   std::array<std::int32_t, TriangleTree::kStackSize> stack;
-  for (int z = 0; z < kSide; z += kTileZ)
-    for (int y = 0; y < kSide; y += kTileY)
-      for (int x = 0; x < kSide; x += kTileX) {
-        const std::size_t offset = NearestInBrick::linear_offset(x, y, z);
-        const auto& known = *reinterpret_cast<const Floats*>(&nearest.squared_mm2[offset]);
-        if (!any(*reinterpret_cast<const Ints*>(&nearest.code[offset]) < Ints{})) continue;
-        const Tile tile = {first[0] + step * (float(x) + kTileX_cells),
-                           first[1] + step * (float(y) + kTileY_cells),
-                           first[2] + step * (float(z) + kTileZ_cells)};
-        const std::array<float, 3> middle = {first[0] + step * (float(x) + 1.5F),
-                                             first[1] + step * (float(y) + 0.5F),
-                                             first[2] + step * (float(z) + 0.5F)};
-        std::size_t depth = 0;
-        stack[depth++] = 0;
-        while (depth > 0) {
-          const std::int32_t n = stack[--depth];
-          const TriangleTree::Node& node = tree.nodes[std::size_t(n)];
-          if (!any_less<simd>(squared_to_box(node, tile), known)) continue;
-          if (node.count == 0) {
-            std::pair children(n + 1, node.first);
-            if (squared_to_box(tree.nodes[std::size_t(children.second)], middle) <
-                squared_to_box(tree.nodes[std::size_t(children.first)], middle))
-              std::swap(children.first, children.second);
-            stack[depth++] = children.second;
-            stack[depth++] = children.first;
-            continue;
-          }
-          const std::span triangles(tree.order.data() + node.first, std::size_t(node.count));
-          const std::size_t slot = std::size_t(n) % PreparedLeaves::kSlots;
-          Batch& batch = prepared.planes[slot];
-          if (std::exchange(prepared.leaf[slot], n) != n)
-            prepare_triangles(mesh, triangles, low, cell, max_distance_mm, batch);
-          for (std::size_t l = 0; l < triangles.size(); ++l) {
-            const Planes& planes = batch[l];
-            const Quantities here = planes.at_low + planes.step[1] * float(y) +
-                                    planes.step[2] * float(z) + planes.step[0] * float(x);
-            const auto quantity = [&](std::size_t q) __attribute__((always_inline)) {
-              return within_tile(planes, q) + here[q];
-            };
-            visit_tile<simd>(planes, quantity, triangles[l], offset, nearest);
-          }
-        }
-      }
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::int32_t n = stack[--depth];
+    const TriangleTree::Node& node = nodes[std::size_t(n)];
+    const auto known = Floats<simd>::loaded(&nearest.squared_mm2[offset]);
+    if (n == visited || !any_less(squared_to_box(node, tile), known)) continue;
+    if (node.count > 0) {
+      if (visit_leaf<simd>(brick, n, first, prepared, nearest)) start = n;
+      continue;
+    }
+    std::pair children(n + 1, node.first);
+    if (squared_to_box(nodes[std::size_t(children.second)], middle) <
+        squared_to_box(nodes[std::size_t(children.first)], middle))
+      std::swap(children.first, children.second);
+    stack[depth++] = children.second;
+    stack[depth++] = children.first;
+  }
+}
+
+template <Simd simd>
+LEFORT_INLINE void find_all(const SearchedBrick& brick, NearestInBrick& nearest) {
+  PreparedLeaves prepared;
+  std::int32_t start = -1;
+  for (int z = 0; z < kSide; z += int(NearestInBrick::kTileZ))
+    for (int y = 0; y < kSide; y += int(NearestInBrick::kTileY))
+      for (int x = 0; x < kSide; x += int(NearestInBrick::kTileX))
+        find_in_tile<simd>(brick, {x, y, z}, prepared, start, nearest);
 }
 
 #if defined(__x86_64__)
-LEFORT_AVX512 void find_avx512(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                               const Vec3& low, double cell, double max_distance_mm,
-                               NearestInBrick& nearest) {
-  find_all<Simd::kAvx512>(mesh, tree, low, cell, max_distance_mm, nearest);
+LEFORT_AVX512 void find_avx512(const SearchedBrick& brick, NearestInBrick& nearest) {
+  find_all<Simd::kAvx512>(brick, nearest);
 }
 
-LEFORT_AVX2 void find_avx2(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                           const Vec3& low, double cell, double max_distance_mm,
-                           NearestInBrick& nearest) {
-  find_all<Simd::kAvx2>(mesh, tree, low, cell, max_distance_mm, nearest);
+LEFORT_AVX2 void find_avx2(const SearchedBrick& brick, NearestInBrick& nearest) {
+  find_all<Simd::kAvx2>(brick, nearest);
 }
 #endif
 
@@ -118,11 +157,12 @@ LEFORT_AVX2 void find_avx2(const geometry::TriangleMesh& mesh, const TriangleTre
 
 void find_nearest(const geometry::TriangleMesh& mesh, const TriangleTree& tree, const Vec3& low,
                   double cell, double max_distance_mm, Simd simd, NearestInBrick& nearest) {
+  const SearchedBrick brick{mesh, tree, low, cell, max_distance_mm};
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx512) return find_avx512(mesh, tree, low, cell, max_distance_mm, nearest);
-  if (simd == Simd::kAvx2) return find_avx2(mesh, tree, low, cell, max_distance_mm, nearest);
+  if (simd == Simd::kAvx512) return find_avx512(brick, nearest);
+  if (simd == Simd::kAvx2) return find_avx2(brick, nearest);
 #endif
-  find_all<Simd::kBaseline>(mesh, tree, low, cell, max_distance_mm, nearest);
+  find_all<Simd::kBaseline>(brick, nearest);
 }
 
 }  // namespace lefort::field

@@ -11,14 +11,20 @@ template <Simd simd>
 LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInBrick& nearest) {
   constexpr int kTileX = int(NearestInBrick::kTileX), kTileY = int(NearestInBrick::kTileY),
                 kTileZ = int(NearestInBrick::kTileZ);
-  Floats across[kQuantities - 1];
-  for (std::size_t n = 0; n + 1 < kQuantities; ++n) across[n] = within_tile(planes, n);
+  using Row = Pack<float, kQuantities, simd>;
+  Floats<simd> across[kQuantities - 1];
+  for (std::size_t n = 0; n + 1 < kQuantities; ++n) across[n] = within_tile<simd>(planes, n);
+  const Row at_low = Row::loaded(planes.at_low.data());
+  const Row step_x = Row::loaded(planes.step[0].data()),
+            step_y = Row::loaded(planes.step[1].data()),
+            step_z = Row::loaded(planes.step[2].data());
 
   for (int z = planes.low[2] & -kTileZ; z < planes.high[2]; z += kTileZ) {
     for (int y = planes.low[1] & -kTileY; y < planes.high[1]; y += kTileY) {
-      const Quantities row = planes.at_low + planes.step[1] * float(y) + planes.step[2] * float(z);
+      const Row row = at_low + step_y * float(y) + step_z * float(z);
       for (int x = planes.low[0] & -kTileX; x < planes.high[0]; x += kTileX) {
-        const Quantities here = row + planes.step[0] * float(x);
+        alignas(32) Quantities here;
+        (row + step_x * float(x)).store(here.data());
         const auto quantity = [&](std::size_t n) __attribute__((always_inline)) {
           return across[n] + here[n];
         };
@@ -34,7 +40,7 @@ LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
                                std::span<const std::int32_t> triangles, const Vec3& low,
                                double cell, double max_distance_mm, NearestInBrick& nearest) {
   alignas(64) Batch batch;
-  prepare_triangles(mesh, triangles, low, cell, max_distance_mm, batch);
+  prepare_triangles<simd>(mesh, triangles, low, cell, max_distance_mm, batch);
   for (std::size_t l = 0; l < triangles.size(); ++l) visit<simd>(batch[l], triangles[l], nearest);
 }
 

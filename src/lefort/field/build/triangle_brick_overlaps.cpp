@@ -23,33 +23,41 @@ struct Fractions {
   std::array<std::array<int, kBatch>, 3> low, high;  ///< Bricks of the box, `high` included.
 };
 
-LEFORT_INLINE Doubles magnitude(const Doubles& v) { return larger(v, -v); }
+template <Simd simd>
+LEFORT_INLINE Doubles<simd> magnitude(const Doubles<simd>& v) {
+  return larger(v, -v);
+}
 
-LEFORT_INLINE void set_face(Fractions& fractions, std::size_t face, const Vectors& outward,
-                            const Doubles& length, const Vectors& at, double distance,
-                            const Doubles& is_flat) {
-  const Doubles half = (magnitude(outward.x) + magnitude(outward.y) + magnitude(outward.z)) * kHalf;
+template <Simd simd>
+LEFORT_INLINE void set_face(Fractions& fractions, std::size_t face, const Vectors<simd>& outward,
+                            const Doubles<simd>& length, const Vectors<simd>& at, double distance,
+                            const typename Doubles<simd>::Mask& has_area) {
+  const Doubles<simd> half =
+      (magnitude(outward.x) + magnitude(outward.y) + magnitude(outward.z)) * kHalf;
   // The center of a brick is half a brick minus half a cell from its corner: kHalf.
-  const Vectors to_middle = {at.x - kHalf, at.y - kHalf, at.z - kHalf};
-  const Doubles first = -(dot(outward, to_middle) + length * distance + half);
-  const Doubles none{};
-  const Doubles first_or_none = is_flat != none ? none - 1.0 : first;
-  const std::array<Doubles, 3> steps = {is_flat != none ? none : outward.x,
-                                        is_flat != none ? none : outward.y,
-                                        is_flat != none ? none : outward.z};
+  const Vectors<simd> to_middle = {at.x - kHalf, at.y - kHalf, at.z - kHalf};
+  const Doubles<simd> first = -(dot(outward, to_middle) + length * distance + half);
+  const auto none = Doubles<simd>::filled(0.0);
+  const Lanes first_or_none = lanes_of(select(has_area, first, none - 1.0));
+  const std::array<Lanes, 3> steps = {lanes_of(select(has_area, outward.x, none)),
+                                      lanes_of(select(has_area, outward.y, none)),
+                                      lanes_of(select(has_area, outward.z, none))};
   for (std::size_t l = 0; l < kBatch; ++l) {
     fractions.first[l][face] = first_or_none[l];
     for (std::size_t k = 0; k < 3; ++k) fractions.step[l][k][face] = steps[k][l];
   }
 }
 
-LEFORT_INLINE void set_box(Fractions& fractions, std::size_t axis, const Doubles& a,
-                           const Doubles& b, const Doubles& c, double distance,
+template <Simd simd>
+LEFORT_INLINE void set_box(Fractions& fractions, std::size_t axis, const Doubles<simd>& a,
+                           const Doubles<simd>& b, const Doubles<simd>& c, double distance,
                            int bricks_per_side) {
-  const Doubles none{}, last = none + double(bricks_per_side - 1);
-  const Doubles low = smaller(a, smaller(b, c)) - distance,
-                high = larger(a, larger(b, c)) + distance;
-  const Doubles from = larger(none, smaller(last, low)), to = larger(none, smaller(last, high));
+  const auto none = Doubles<simd>::filled(0.0),
+             last = Doubles<simd>::filled(double(bricks_per_side - 1));
+  const Doubles<simd> low = smaller(a, smaller(b, c)) - distance,
+                      high = larger(a, larger(b, c)) + distance;
+  const Lanes from = lanes_of(larger(none, smaller(last, low))),
+              to = lanes_of(larger(none, smaller(last, high)));
   for (std::size_t l = 0; l < kBatch; ++l) {
     fractions.low[axis][l] = int(from[l]);
     fractions.high[axis][l] = int(to[l]);
@@ -57,49 +65,46 @@ LEFORT_INLINE void set_box(Fractions& fractions, std::size_t axis, const Doubles
 }
 
 /// \param corners  in bricks, relative to the corner of brick (0, 0, 0).
-LEFORT_INLINE void prepare_fractions(const std::array<Vectors, 3>& corners, double distance,
+template <Simd simd>
+LEFORT_INLINE void prepare_fractions(const std::array<Vectors<simd>, 3>& corners, double distance,
                                      int bricks_per_side, Fractions& fractions) {
-  const Vectors ab = corners[1] - corners[0], bc = corners[2] - corners[1],
-                ca = corners[0] - corners[2];
-  const Vectors normal = cross(ab, corners[2] - corners[0]);
-  const Doubles n2 = dot(normal, normal);
-  const Doubles longest = larger(dot(ab, ab), larger(dot(bc, bc), dot(ca, ca)));
+  const Vectors<simd> ab = corners[1] - corners[0], bc = corners[2] - corners[1],
+                      ca = corners[0] - corners[2];
+  const Vectors<simd> normal = cross(ab, corners[2] - corners[0]);
+  const Doubles<simd> n2 = dot(normal, normal);
+  const Doubles<simd> longest = larger(dot(ab, ab), larger(dot(bc, bc), dot(ca, ca)));
   constexpr double kRatio = geometry::kDegenerateHeightRatio;
-  const Doubles none{}, one = none + 1.0;
   // If the normal is rounding, only the box is used. The factor is a margin for other rounding
   // errors.
-  const Doubles is_flat = n2 > longest * longest * (4.0 * kRatio * kRatio) ? none : one;
-  const Doubles length = square_root(n2);
-  set_face(fractions, 0, normal, length, corners[0], distance, is_flat);
-  set_face(fractions, 1, -normal, length, corners[0], distance, is_flat);
-  const std::array<const Vectors*, 3> along = {&ab, &bc, &ca};
+  const typename Doubles<simd>::Mask has_area = longest * longest * (4.0 * kRatio * kRatio) < n2;
+  const Doubles<simd> length = square_root(n2);
+  set_face(fractions, 0, normal, length, corners[0], distance, has_area);
+  set_face(fractions, 1, -normal, length, corners[0], distance, has_area);
+  const std::array<const Vectors<simd>*, 3> along = {&ab, &bc, &ca};
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vectors outward = cross(*along[i], normal);
+    const Vectors<simd> outward = cross(*along[i], normal);
     set_face(fractions, 2 + i, outward, square_root(dot(outward, outward)), corners[i], distance,
-             is_flat);
+             has_area);
   }
   set_box(fractions, 0, corners[0].x, corners[1].x, corners[2].x, distance, bricks_per_side);
   set_box(fractions, 1, corners[0].y, corners[1].y, corners[2].y, distance, bricks_per_side);
   set_box(fractions, 2, corners[0].z, corners[1].z, corners[2].z, distance, bricks_per_side);
 }
 
-LEFORT_INLINE Doubles load(const std::array<double, kFaces>& values) {
-  Doubles loaded;
-  __builtin_memcpy(&loaded, values.data(), sizeof(loaded));
-  return loaded;
-}
-
 template <Simd simd>
 LEFORT_INLINE void list_bricks(const Fractions& fractions, std::size_t l, int bricks_per_side,
                                std::vector<std::int32_t>& bricks) {
-  const Doubles step_x = load(fractions.step[l][0]), step_y = load(fractions.step[l][1]),
-                step_z = load(fractions.step[l][2]), first = load(fractions.first[l]);
+  using Faces = Pack<double, kFaces, simd>;
+  const Faces step_x = Faces::loaded(fractions.step[l][0].data()),
+              step_y = Faces::loaded(fractions.step[l][1].data()),
+              step_z = Faces::loaded(fractions.step[l][2].data()),
+              first = Faces::loaded(fractions.first[l].data());
   for (int z = fractions.low[2][l]; z <= fractions.high[2][l]; ++z)
     for (int y = fractions.low[1][l]; y <= fractions.high[1][l]; ++y) {
-      const Doubles row = first + step_y * double(y) + step_z * double(z);
+      const Faces row = first + step_y * double(y) + step_z * double(z);
       const std::int32_t number = (z * bricks_per_side + y) * bricks_per_side;
       for (int x = fractions.low[0][l]; x <= fractions.high[0][l]; ++x)
-        if (!any_less<simd>(Doubles{}, row + step_x * double(x))) bricks.push_back(number + x);
+        if (!any_less(Faces::filled(0.0), row + step_x * double(x))) bricks.push_back(number + x);
     }
 }
 
@@ -114,19 +119,22 @@ LEFORT_INLINE void add_all(const geometry::TriangleMesh& mesh, Index begin, Inde
     for (auto& step : steps) step.fill(0.0);
   static_assert(kUsedFaces <= kFaces);
   for (Index from = begin; from < end; from += Index(kBatch)) {
-    std::array<Vectors, 3> corners;
+    std::array<std::array<Lanes, 3>, 3> lanes;  // By corner and axis.
     for (std::size_t l = 0; l < kBatch; ++l) {
       const Index t = std::min(from + Index(l), end - 1);
       for (int i = 0; i < 3; ++i) {
         const double* const p = mesh.corner(t, i).data();
-        Vectors& corner = corners[std::size_t(i)];
-        corner.x[l] = p[0] - grid.origin_B.data()[0];
-        corner.y[l] = p[1] - grid.origin_B.data()[1];
-        corner.z[l] = p[2] - grid.origin_B.data()[2];
+        for (std::size_t k = 0; k < 3; ++k)
+          lanes[std::size_t(i)][k][l] = p[k] - grid.origin_B.data()[k];
       }
     }
-    for (Vectors& corner : corners)
-      corner = {corner.x * per_mm + 1.0, corner.y * per_mm + 1.0, corner.z * per_mm + 1.0};
+    std::array<Vectors<simd>, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto in_bricks = [&](std::size_t k) __attribute__((always_inline)) {
+        return Doubles<simd>::loaded(lanes[i][k].data()) * per_mm + 1.0;
+      };
+      corners[i] = {in_bricks(0), in_bricks(1), in_bricks(2)};
+    }
     prepare_fractions(corners, max_distance_mm * per_mm, grid.bricks_per_side, fractions);
     const auto count = std::size_t(std::min(Index(kBatch), end - from));
     std::int64_t in_boxes = 0;

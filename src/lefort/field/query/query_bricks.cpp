@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/field/internal/distances_avx512.h>
-#include <lefort/field/internal/simd.h>
+#include <lefort/field/internal/pack.h>
 #include <lefort/field/query/query_bricks.h>
 #include <lefort/field/query/trilinear.h>
 
@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <type_traits>
 
 namespace lefort::field {
 
@@ -20,9 +21,8 @@ constexpr std::size_t kMinPointsToSort = 128;
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kCorners = 8;
 
-using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+template <class Real, Simd simd>
+using Lanes = internal::Pack<Real, kLanes, simd>;
 
 /// Constants of a lookup.
 struct Lookup {
@@ -160,16 +160,41 @@ using FindCorners = void(const Lookup&, const std::int32_t*, const std::byte**);
 #endif
 
 /// Samples and positions of sixteen points, by lane.
-template <class Lanes>
+template <class Real, Simd simd>
 struct Cells {
-  std::array<Lanes, kCorners> corners;  ///< In units of the quantum.
-  std::array<Lanes, 3> t;
+  std::array<Lanes<Real, simd>, kCorners> corners;  ///< In units of the quantum.
+  std::array<Lanes<Real, simd>, 3> t;
   std::array<std::int32_t, kLanes> is_known;  ///< Not zero if all corners are distances.
 };
 
+/// Numbers of three bytes from words of four.
+template <Simd simd>
+LEFORT_INLINE Lanes<std::int32_t, simd> sign_extended(const Lanes<std::int32_t, simd>& words) {
+  return Lanes<std::int32_t, simd>::of([&](std::size_t n) __attribute__((always_inline)) {
+    return words.parts[n] << 8 >> 8;
+  });
+}
+
+/// The same numbers in double precision; they are stored and loaded, because their registers hold
+/// half as many.
+template <Simd simd>
+LEFORT_INLINE Lanes<double, simd> widened(const Lanes<float, simd>& values) {
+  using Doubles = Lanes<double, simd>;
+  using Half = internal::Pack<float, Doubles::kPartLanes, simd>;
+  alignas(64) std::array<float, kLanes> stored;
+  values.store(stored.data());
+  return Doubles::of([&](std::size_t n) __attribute__((always_inline)) {
+    return __builtin_convertvector(Half::loaded(&stored[n * Doubles::kPartLanes]).parts[0],
+                                   typename Doubles::Register);
+  });
+}
+
 /// Stage 3: reads the samples.
-template <class Lanes, class Real>
-LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells<Lanes>& cells) {
+template <class Real, Simd simd>
+LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first,
+                              Cells<Real, simd>& cells) {
+  using Ints = Lanes<std::int32_t, simd>;
+  using Floats = Lanes<float, simd>;
   alignas(64) std::array<std::array<std::int32_t, kLanes>, kCorners> codes;
   alignas(64) std::array<std::array<Real, kLanes>, 3> t;
   alignas(64) std::array<std::int32_t, kLanes> within;
@@ -180,21 +205,22 @@ LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells
     for (std::size_t k = 0; k < 3; ++k) t[k][l] = group.t[3 * n + k];
     within[l] = group.within[3 * n] & group.within[3 * n + 1] & group.within[3 * n + 2];
   }
-  Floats largest{};  // Of the magnitudes, which single precision represents exactly.
+  auto largest = Floats::filled(0.0F);  // Of the magnitudes, which single precision represents.
   for (std::size_t corner = 0; corner < kCorners; ++corner) {
-    Ints code;
-    std::memcpy(&code, codes[corner].data(), sizeof(code));
-    code = code << 8 >> 8;  // The fourth byte belongs to another sample.
-    const Floats value = __builtin_convertvector(code, Floats), negative = -value;
-    const Floats magnitude = value > negative ? value : negative;
-    largest = magnitude > largest ? magnitude : largest;
-    cells.corners[corner] = __builtin_convertvector(code, Lanes);
+    // The fourth byte belongs to another sample.
+    const Ints code = sign_extended(Ints::loaded(codes[corner].data()));
+    const Floats value = Floats::converted(code);
+    largest = larger(larger(value, -value), largest);
+    if constexpr (std::is_same_v<Real, float>) {
+      cells.corners[corner] = value;
+    } else {
+      cells.corners[corner] = widened<simd>(value);
+    }
   }
-  Ints known;
-  std::memcpy(&known, within.data(), sizeof(known));
-  known = largest < float(BrickSamples::kBeyond) ? known : Ints{};
-  std::memcpy(cells.is_known.data(), &known, sizeof(known));
-  for (std::size_t k = 0; k < 3; ++k) std::memcpy(&cells.t[k], t[k].data(), sizeof(cells.t[k]));
+  const Ints known = select(largest < Floats::filled(float(BrickSamples::kBeyond)),
+                            Ints::loaded(within.data()), Ints::filled(0));
+  known.store(cells.is_known.data());
+  for (std::size_t k = 0; k < 3; ++k) cells.t[k] = Lanes<Real, simd>::loaded(t[k].data());
 }
 
 /// Zone of a point without a distance.
@@ -213,14 +239,14 @@ Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p
 
 /// Calls finish(first, count, cells, group, position) for all points, at most kLanes at a time:
 /// `first` is the position among the points, `position` that in the group.
-template <class Lanes, class Real, class Finish>
+template <class Real, Simd simd, class Finish>
 LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
                            std::span<const Vec3> p_B, FindCorners find_corners_of,
                            const Finish& finish) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const Lookup lookup(samples, frame);
   Group<Real> group;
-  Cells<Lanes> cells;
+  Cells<Real, simd> cells;
   std::array<Vec3, kGroup> last;
   for (std::size_t begin = 0; begin < p_B.size(); begin += kGroup) {
     const std::size_t count = std::min(kGroup, p_B.size() - begin);
@@ -246,17 +272,21 @@ struct Query {
   FindCorners* find_corners;
 };
 
+template <Simd simd>
 LEFORT_INLINE void sample_all(const Query& query, std::span<FieldSample> results) {
   // Double precision, because solvers use differences of these values.
   const double quantum_mm = double(query.samples.quantum_mm());
   const double slope = quantum_mm / query.frame.cell_mm;
-  for_all<Doubles, double>(
+  for_all<double, simd>(
       query.samples, query.frame, query.p_B, *query.find_corners,
-      [&](std::size_t first, std::size_t count, const Cells<Doubles>& cells,
+      [&](std::size_t first, std::size_t count, const Cells<double, simd>& cells,
           const Group<double>& group, std::size_t position) __attribute__((always_inline)) {
-        const Doubles distance = trilinear(cells.corners, cells.t) * quantum_mm;
-        const std::array<Doubles, 3> gradient = trilinear_gradient(cells.corners, cells.t);
-        const Doubles x = gradient[0] * slope, y = gradient[1] * slope, z = gradient[2] * slope;
+        alignas(64) std::array<double, kLanes> distance, x, y, z;
+        (trilinear(cells.corners, cells.t) * quantum_mm).store(distance.data());
+        const auto gradient = trilinear_gradient(cells.corners, cells.t);
+        (gradient[0] * slope).store(x.data());
+        (gradient[1] * slope).store(y.data());
+        (gradient[2] * slope).store(z.data());
         for (std::size_t l = 0; l < count; ++l) {
           if (cells.is_known[l] == 0) [[unlikely]] {
             results[first + l] = beyond_band(
@@ -269,13 +299,15 @@ LEFORT_INLINE void sample_all(const Query& query, std::span<FieldSample> results
       });
 }
 
+template <Simd simd>
 LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_mm) {
   const float quantum_mm = query.samples.quantum_mm();
-  for_all<Floats, float>(
+  for_all<float, simd>(
       query.samples, query.frame, query.p_B, *query.find_corners,
-      [&](std::size_t first, std::size_t count, const Cells<Floats>& cells,
+      [&](std::size_t first, std::size_t count, const Cells<float, simd>& cells,
           const Group<float>& group, std::size_t position) __attribute__((always_inline)) {
-        const Floats distance = trilinear(cells.corners, cells.t) * quantum_mm;
+        alignas(64) std::array<float, kLanes> distance;
+        (trilinear(cells.corners, cells.t) * quantum_mm).store(distance.data());
         for (std::size_t l = 0; l < count; ++l)
           distances_mm[first + l] =
               cells.is_known[l] != 0
@@ -287,16 +319,16 @@ LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_
 
 #if defined(__x86_64__)
 LEFORT_AVX512 void sample_avx512(const Query& query, std::span<FieldSample> results) {
-  sample_all(query, results);
+  sample_all<Simd::kAvx512>(query, results);
 }
 LEFORT_AVX2 void sample_avx2(const Query& query, std::span<FieldSample> results) {
-  sample_all(query, results);
+  sample_all<Simd::kAvx2>(query, results);
 }
 LEFORT_AVX512 void distances_avx512(const Query& query, std::span<float> distances_mm) {
-  distances_all(query, distances_mm);
+  distances_all<Simd::kAvx512>(query, distances_mm);
 }
 LEFORT_AVX2 void distances_avx2(const Query& query, std::span<float> distances_mm) {
-  distances_all(query, distances_mm);
+  distances_all<Simd::kAvx2>(query, distances_mm);
 }
 #endif
 
@@ -311,7 +343,7 @@ void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::sp
   if (simd == Simd::kAvx512) return sample_avx512(query, results);
   if (simd == Simd::kAvx2) return sample_avx2(query, results);
 #endif
-  sample_all(query, results);
+  sample_all<Simd::kBaseline>(query, results);
 }
 
 void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
@@ -325,7 +357,7 @@ void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
   if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
   if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);
 #endif
-  distances_all(query, distances_mm);
+  distances_all<Simd::kBaseline>(query, distances_mm);
 }
 
 }  // namespace lefort::field
