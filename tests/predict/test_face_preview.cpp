@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "support/paper_boundary.h"
@@ -68,6 +69,26 @@ TEST(FacePreview, DependsOnEarlierCallsByLessThanItsTolerance) {
   const auto a_mm = fresh.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
   const auto b_mm = used.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
   EXPECT_LT(max_distance_mm(a_mm, b_mm), 0.01);
+}
+
+/// During a drag the face follows within two iterations; afterwards the equilibrium is that without
+/// a drag.
+TEST(FacePreview, FollowsADrag) {
+  const FaceModel model = test::block_on_ball();
+  const FacePreview preview = preview_of(model), fresh = preview_of(model);
+  const auto pose = [](double up_mm) { return std::array{shift({0.0, 0.0, up_mm})}; };
+  for (const double up_mm : {0.25, 0.5, 0.75, 1.0}) {
+    const Index before = preview.newton_iterations();
+    const auto followed_mm = preview.follow_mm(pose(up_mm)).value();
+    EXPECT_LE(preview.newton_iterations() - before, 2);
+    EXPECT_LT(max_distance_mm(followed_mm, fresh.displacement_mm(pose(up_mm)).value()), 0.1);
+  }
+  EXPECT_LT(max_distance_mm(preview.displacement_mm(pose(1.0)).value(),
+                            fresh.displacement_mm(pose(1.0)).value()),
+            0.01);
+  RigidTransform bad = RigidTransform::Identity();
+  bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(preview.follow_mm(std::array{bad}));
 }
 
 TEST(FacePreview, ASmallMotionTakesFewIterations) {

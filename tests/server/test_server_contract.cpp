@@ -113,7 +113,7 @@ TEST(ServerContract, TheSchemasRejectWhatTheServerRejects) {
       {"MeasurementsRequest", {"POST", "/measurements"}},
       {"Plan", {"PUT", "/plan"}},
       {"Poses", {"POST", "/poses"}},
-      {"Poses", {"POST", "/preview"}},
+      {"PreviewRequest", {"POST", "/preview"}},
       {"PreviewFitRequest", {"POST", "/preview/fit"}},
       {"OsteotomyRequest", {"POST", "/osteotomies"}}};
   int sent = 0;
@@ -400,6 +400,9 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
   EXPECT_NE(one.text.find("left and right"), std::string::npos) << one.text;
   const Response both = preview(poses);
   EXPECT_EQ(both.status, 200) << both.text;
+  // A drag that stays at these poses leaves the face there.
+  const std::string dragged = json{{"poses", poses}, {"dragging", true}}.dump();
+  EXPECT_EQ(body_of(api.call_api("POST", "/preview", dragged)), body_of(both));
   json swapped = poses;
   std::swap(swapped["left"], swapped["right"]);
   EXPECT_NE(body_of(preview(swapped)), body_of(both));

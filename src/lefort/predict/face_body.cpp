@@ -220,6 +220,12 @@ fem::NewtonOutcome FaceBody::solve(const FaceEquilibrium& last,
   return weighted_.solve(last.X_LB, last.u, X_LB, start, options_.solver.max_iterations, solve);
 }
 
+fem::NewtonOutcome FaceBody::approach(const std::vector<RigidTransform>& X_LB, const VectorX& start,
+                                      int iterations, linear::LinearSolver& linear_solver) {
+  set_poses(X_LB);
+  return solve_from(X_LB, start, iterations, linear_solver, Progress::none(), {});
+}
+
 fem::NewtonOutcome FaceBody::solve_with_quadrature(
     const FaceEquilibrium& last, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& from, int max_iterations)>& solve) {

@@ -71,6 +71,14 @@ class FaceBody {
                                          const VectorX& start, linear::LinearSolver& linear_solver,
                                          Progress& progress, const OnBodyIterate& on_iterate = {});
 
+  /// Newton iterations towards the equilibrium at `X_LB`, without the checks of an equilibrium.
+  ///
+  /// \param start       displacements of all components from which they start [mm].
+  /// \param iterations  max number, >= 1.
+  [[nodiscard]] fem::NewtonOutcome approach(const std::vector<RigidTransform>& X_LB,
+                                            const VectorX& start, int iterations,
+                                            linear::LinearSolver& linear_solver);
+
   /// Sets poses, contacts, supports, displacements and min_J of `step`.
   /// \param at  the present equilibrium.
   void summarize(const FaceEquilibrium& at, PredictionStep& step) const;

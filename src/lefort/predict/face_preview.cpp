@@ -13,7 +13,8 @@ namespace {
 constexpr double kElementSize_mm = 6.0, kFarElementSize_mm = 12.0;
 /// Of the residual, relative: hundredths of a mm of the skin (docs/studies/planner-performance.md).
 constexpr double kPreviewTolerance = 3e-3;
-constexpr double kMoved_mm = 0.5;  ///< As in the summary of a prediction.
+constexpr int kFollowIterations = 2;  ///< In each increment of an update during a drag.
+constexpr double kMoved_mm = 0.5;     ///< As in the summary of a prediction.
 
 using Boxes = std::vector<Eigen::AlignedBox3d>;
 
@@ -53,19 +54,24 @@ struct FacePreview::Live {
   Boxes boxes_B;  ///< Of the segments.
   SkinEmbedding skin;
   std::unique_ptr<FaceResponse> response;  ///< Of `model`.
-  FaceState last;
+  FaceState last;                          ///< In equilibrium, unless the bones are dragged.
   mutable std::mutex mutex;
 
+  /// The state from which the poses are closer, the last one or that at rest.
+  [[nodiscard]] FaceState closest_to(std::span<const RigidTransform> X_LB) const;
   [[nodiscard]] Result<void> move_to(std::span<const RigidTransform> X_LB);
 };
 
-Result<void> FacePreview::Live::move_to(std::span<const RigidTransform> X_LB) {
+FaceState FacePreview::Live::closest_to(std::span<const RigidTransform> X_LB) const {
   LEFORT_CHECK(X_LB.size() == model.segments.size());
   const FaceState rest = response->at_rest();
   const bool is_rest_closer =
       distance_mm(boxes_B, X_LB, rest.at.X_LB) < distance_mm(boxes_B, X_LB, last.at.X_LB);
-  const std::vector<RigidTransform> poses(X_LB.begin(), X_LB.end());
-  LEFORT_TRY(last, response->solve(poses, is_rest_closer ? rest : last));
+  return is_rest_closer ? rest : last;
+}
+
+Result<void> FacePreview::Live::move_to(std::span<const RigidTransform> X_LB) {
+  LEFORT_TRY(last, response->solve({X_LB.begin(), X_LB.end()}, closest_to(X_LB)));
   return {};
 }
 
@@ -82,9 +88,8 @@ Result<FacePreview> FacePreview::create(FaceModel model, std::vector<std::string
   live->boxes_B = boxes_of(live->model);
   live->skin =
       embed_skin(skin_L, live->model.tissue, embedding_distance_mm(options.tissue, spacing_mm));
-  LEFORT_TRY(live->response,
-             FaceResponse::create(live->model, std::move(names), options, progress,
-                                  {.kind = linear::LinearSolverKind::kReusedFactor}));
+  LEFORT_TRY(live->response, FaceResponse::create(live->model, std::move(names), options, progress,
+                                                  {.kind = linear::LinearSolverKind::kDirect}));
   live->last = live->response->at_rest();
   return FacePreview(std::move(live));
 }
@@ -108,6 +113,13 @@ Index FacePreview::newton_iterations() const {
 Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTransform> X_LB) const {
   const std::scoped_lock lock(live_->mutex);
   LEFORT_TRY_VOID(live_->move_to(X_LB));
+  return skin_displacement(live_->skin, live_->last.displacement_mm());
+}
+
+Result<std::vector<Vec3>> FacePreview::follow_mm(std::span<const RigidTransform> X_LB) const {
+  const std::scoped_lock lock(live_->mutex);
+  LEFORT_TRY(live_->last, live_->response->approach({X_LB.begin(), X_LB.end()},
+                                                    live_->closest_to(X_LB), kFollowIterations));
   return skin_displacement(live_->skin, live_->last.displacement_mm());
 }
 

@@ -33,8 +33,7 @@ struct VertexMotion {
 /// The equations of a prediction on a coarse mesh: large strains, contact by quadrature, supports
 /// and lips as in predict_face(). Only the size of the elements and the tolerance of the
 /// equilibrium differ. Each call starts from the last equilibrium, or from rest if that is closer,
-/// so that a small motion takes a few iterations of Newton's method; the factor of an earlier
-/// tangent preconditions their linear systems. Contact has no history, so the starting point
+/// so that a small motion takes a few iterations of Newton's method. Contact has no history, so the starting point
 /// changes the result by the tolerance of the equilibrium only, unless the tissue has several
 /// equilibria (docs/studies/planner-performance.md).
 ///
@@ -63,6 +62,10 @@ class FacePreview {
   ///   after which the last equilibrium is kept.
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
       std::span<const RigidTransform> X_LB) const;
+
+  /// As displacement_mm() during a drag: two Newton iterations from the last state. The face follows
+  /// the bones within some updates; after the drag displacement_mm() finds the equilibrium.
+  [[nodiscard]] Result<std::vector<Vec3>> follow_mm(std::span<const RigidTransform> X_LB) const;
 
   /// \param segment  that is translated.
   /// \param vertex   of the skin.

@@ -131,6 +131,16 @@ int FaceResponse::increment_count(const std::vector<RigidTransform>& from_X_LB,
   return int(std::max(std::ceil(moved_mm / max_increment_mm_ - kRoundOff), 1.0));
 }
 
+std::vector<RigidTransform> FaceResponse::between(const std::vector<RigidTransform>& from_X_LB,
+                                                  const std::vector<RigidTransform>& to_X_LB,
+                                                  double fraction) const {
+  if (fraction == 1.0) return to_X_LB;
+  std::vector<RigidTransform> poses;
+  for (std::size_t k = 0; k < to_X_LB.size(); ++k)
+    poses.push_back(geometry::interpolate_pose(from_X_LB[k], to_X_LB[k], fraction, centers_B_[k]));
+  return poses;
+}
+
 Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
                                       const FaceState& start, Progress& progress) {
   LEFORT_CHECK(X_LB.size() == segment_count() && start.at.X_LB.size() == segment_count());
@@ -138,14 +148,6 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
     if (!pose.matrix().allFinite())
       return fail(ErrorCode::kInvalidArgument, "the pose of a segment is not finite");
   body_->set_poses(start.at.X_LB);
-  const auto poses_at = [&](double fraction) {
-    if (fraction == 1.0) return X_LB;
-    std::vector<RigidTransform> poses;
-    for (std::size_t k = 0; k < X_LB.size(); ++k)
-      poses.push_back(
-          geometry::interpolate_pose(start.at.X_LB[k], X_LB[k], fraction, centers_B_[k]));
-    return poses;
-  };
   // A solver that is iterative for its size starts without the state of earlier solves; a reused
   // factor below that size stays.
   if (body_->assembler().dofs().free_count() > linear_.direct_rows)
@@ -154,7 +156,7 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
   fem::LoadStepper stepper(
       fem::LoadState{0.0, start.at.u},
       [&](double fraction, const VectorX& guess) {
-        std::vector<RigidTransform> poses = poses_at(fraction);
+        std::vector<RigidTransform> poses = between(start.at.X_LB, X_LB, fraction);
         fem::NewtonOutcome outcome = body_->solve(last, poses, guess, linear_solver_, progress);
         newton_iterations_ += outcome.iterations();
         if (outcome.converged()) last = {std::move(poses), outcome.x};
@@ -163,6 +165,27 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
       load_step_options(options_.solver, 1.0 / increment_count(start.at.X_LB, X_LB)));
   LEFORT_TRY_VOID(stepper.advance_to(1.0, progress));
   return FaceState{std::move(last)};
+}
+
+Result<FaceState> FaceResponse::approach(const std::vector<RigidTransform>& X_LB,
+                                         const FaceState& start, int iterations) {
+  LEFORT_CHECK(X_LB.size() == segment_count() && start.at.X_LB.size() == segment_count());
+  for (const RigidTransform& pose : X_LB)
+    if (!pose.matrix().allFinite()) return solve(X_LB, start);
+  constexpr int kMaxIncrements = 3;
+  const int count = increment_count(start.at.X_LB, X_LB);
+  if (count > kMaxIncrements) return solve(X_LB, start);
+  FaceState state = start;
+  for (int n = 1; n <= count; ++n) {
+    const std::vector<RigidTransform> poses = between(start.at.X_LB, X_LB, double(n) / count);
+    const fem::NewtonOutcome outcome =
+        body_->approach(poses, state.at.u, iterations, linear_solver_);
+    newton_iterations_ += outcome.iterations();
+    if (!outcome.converged() && outcome.stop != fem::NewtonStop::kTooManyIterations)
+      return solve(X_LB, start);
+    state.at = {poses, outcome.x};
+  }
+  return state;
 }
 
 Result<void> FaceResponse::factorize_at(const FaceState& state) {

@@ -78,6 +78,16 @@ class FaceResponse {
                                         const FaceState& start,
                                         Progress& progress = Progress::none());
 
+  /// Newton iterations towards the equilibrium at poses, for a face that follows a drag. The result
+  /// is a start for solve(), and often near the equilibrium, but no result.
+  /// \param X_LB        pose of each segment.
+  /// \param start       a state of this model.
+  /// \param iterations  max number in each increment, >= 1.
+  /// \returns the last state, in equilibrium or not; as solve() if there are more than three
+  ///   increments, or if no step is acceptable.
+  [[nodiscard]] Result<FaceState> approach(const std::vector<RigidTransform>& X_LB,
+                                           const FaceState& start, int iterations);
+
   /// \param state  an equilibrium of this model.
   /// \param rates  one for each number.
   /// \returns the derivatives of the displacements of all nodes, three rows per node, one column
@@ -108,6 +118,10 @@ class FaceResponse {
 
   [[nodiscard]] int increment_count(const std::vector<RigidTransform>& from_X_LB,
                                     const std::vector<RigidTransform>& to_X_LB) const;
+  /// Poses of the motion that solve() describes.
+  [[nodiscard]] std::vector<RigidTransform> between(const std::vector<RigidTransform>& from_X_LB,
+                                                    const std::vector<RigidTransform>& to_X_LB,
+                                                    double fraction) const;
   [[nodiscard]] Result<void> factorize_at(const FaceState& state);
   [[nodiscard]] VectorX prescribed_rate(const FaceState& state, const PoseRate& rate) const;
   [[nodiscard]] std::vector<VectorX> explicit_rates(const FaceState& state,

@@ -249,10 +249,13 @@ export class Client {
     };
   }
 
-  /** Displacement of each vertex of the skin [mm], flat xyz. A preview, not a prediction. */
-  async preview(poses: Poses, signal?: AbortSignal): Promise<Float32Array> {
+  /**
+   * Displacement of each vertex of the skin [mm], flat xyz. A preview, not a prediction. `dragging`: the face follows the
+   * bones, without its equilibrium.
+   */
+  async preview(poses: Poses, dragging: boolean, signal?: AbortSignal): Promise<Float32Array> {
     const response = await this.send('POST', '/preview', {
-      body: JSON.stringify({ poses }),
+      body: JSON.stringify({ poses, dragging }),
       headers: { 'Content-Type': 'application/json' },
       signal,
     });

@@ -933,6 +933,13 @@ export interface components {
                 [key: string]: components["schemas"]["Pose"];
             };
         };
+        PreviewRequest: {
+            poses: {
+                [key: string]: components["schemas"]["Pose"];
+            };
+            /** @description The face follows the bones: some iterations from the last request instead of the equilibrium. */
+            dragging?: boolean;
+        };
         /** @enum {string} */
         TemplateKind: "le-fort-1" | "le-fort-2" | "le-fort-3" | "genioplasty" | "sagittal-split";
         OsteotomyRequest: {
@@ -2023,7 +2030,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["Poses"];
+                "application/json": components["schemas"]["PreviewRequest"];
             };
         };
         responses: {

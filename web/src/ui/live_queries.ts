@@ -67,7 +67,8 @@ export class LiveQueries {
       return;
     }
     this.previewLoop.wanted = { poses: this.planner.cutPoses(), since };
-    if (since !== null || s.preview.state !== 'shown') this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
+    if (since !== null || s.preview.state !== 'shown')
+      this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
     if (!this.previewLoop.aborter) void this.runPreviews();
   }
 
@@ -79,13 +80,14 @@ export class LiveQueries {
       const begin = since ?? performance.now();
       loop.wanted = null;
       try {
-        const xyz = await this.planner.client.preview(poses, aborter.signal);
+        const xyz = await this.planner.client.preview(poses, since === null, aborter.signal);
         if (aborter.signal.aborted) return;
         this.listeners.onPreview(xyz);
         const max_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
         // The next request begins after the face is drawn, so that every update is seen.
         await new Promise(requestAnimationFrame);
         if (aborter.signal.aborted) return;
+        if (this.previewLoop.wanted?.since) continue; // Still waiting for the face at the end of the drag.
         this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - begin, why: '', max_mm } });
       } catch (error) {
         if (aborter.signal.aborted) return;

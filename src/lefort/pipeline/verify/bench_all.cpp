@@ -114,6 +114,7 @@ Result<std::vector<Figure>> measure_plan(const BenchAllJob& job, Progress& progr
                                                    .prediction = prediction},
                                                   progress));
   figures.push_back({"preview, update of 1 mm", preview.json.at("update_median_s"), "s"});
+  figures.push_back({"preview, after the release", preview.json.at("release_s"), "s"});
   figures.push_back({"preview, rest to end", preview.json.at("jump_s"), "s"});
   figures.push_back({"preview, P99 from the prediction", preview.json.at("p99_mm"), "mm"});
   return figures;

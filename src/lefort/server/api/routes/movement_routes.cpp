@@ -83,7 +83,7 @@ std::vector<std::string> previewed_segments(ServedCase& served) {
 }
 
 Response post_preview(ServedCase& served, const Request& request, const PathValues&) {
-  JsonBody body = read_json(request, "Poses");
+  JsonBody body = read_json(request, "PreviewRequest");
   if (!body.value) return body.error;
   const auto poses = as_poses((*body.value)["poses"]);
   if (!poses) return error_response(poses.error(), "poses");
@@ -101,7 +101,9 @@ Response post_preview(ServedCase& served, const Request& request, const PathValu
   if (!face) return error_response(face.error());
   if ((*face)->segment_count() != segments.size())
     return error_response(422, "invalid", "the preview's files are damaged: prepare it again");
-  const auto displacement_mm = (*face)->displacement_mm(X_LB);
+  const bool is_dragging = body.value->value("dragging", false);
+  const auto displacement_mm =
+      is_dragging ? (*face)->follow_mm(X_LB) : (*face)->displacement_mm(X_LB);
   if (!displacement_mm) return error_response(displacement_mm.error());
   Response reply = binary_response(shared_bytes(encode_floats(*displacement_mm)));
   reply.headers.emplace_back("X-Lefort-Note", kPreviewNote);
