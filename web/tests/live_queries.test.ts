@@ -8,6 +8,7 @@ type Call = { poses: Record<string, Mat4>; dragging: boolean; signal: AbortSigna
 let calls: Call[];
 let poses: Record<string, Mat4>;
 let live: LiveQueries;
+let shown: () => { state: string; latency_ms: number | null };
 const onPreview = vi.fn();
 const state = { showPreview: true, preview: { state: 'none', latency_ms: null as number | null, why: '', max_mm: 0 } };
 
@@ -16,6 +17,7 @@ const settle = (): Promise<void> => new Promise((resolve) => setTimeout(resolve,
 
 beforeEach(() => {
   vi.stubGlobal('requestAnimationFrame', (draw: () => void) => setTimeout(draw, 0));
+  vi.stubGlobal('cancelAnimationFrame', clearTimeout);
   calls = [];
   onPreview.mockClear();
   state.preview = { state: 'none', latency_ms: null, why: '', max_mm: 0 };
@@ -32,7 +34,7 @@ beforeEach(() => {
         }),
     },
   };
-  state.preview = s.preview;
+  shown = () => s.preview;
   live = new LiveQueries(planner as unknown as Planner, { onPreview } as unknown as SceneListeners);
 });
 
@@ -48,6 +50,7 @@ it('keeps only the newest poses of a drag, and ends with the equilibrium', async
     [1, true],
     [3, true],
   ]);
+  expect(shown()).toMatchObject({ state: 'shown', latency_ms: null });
   live.requestPreview(performance.now());
   calls[1].done(new Float32Array([3, 0, 0]));
   await settle();
@@ -56,6 +59,7 @@ it('keeps only the newest poses of a drag, and ends with the equilibrium', async
   calls[2].done(new Float32Array([3.1, 0, 0]));
   await settle();
   expect(onPreview).toHaveBeenCalledTimes(3);
+  expect(shown().latency_ms).toBeGreaterThanOrEqual(0);
   expect(calls).toHaveLength(3);
 });
 

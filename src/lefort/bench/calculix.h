@@ -42,8 +42,9 @@ struct CalculixRun {
 ///
 /// \param task      to solve.
 /// \param progress  may stop the process.
-/// \returns the run; or kInvalidArgument if ccx is not installed or fails, kFileNotFound or
-///   kFileCorrupt if its output is missing or not understood, kFileUnwritable, kCancelled.
+/// \returns the run; or kInvalidArgument if ccx is not installed, kNotConverged if it fails,
+///   kFileNotFound or kFileCorrupt if its output is missing or not understood, kFileUnwritable,
+///   kCancelled.
 [[nodiscard]] Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress);
 
 }  // namespace lefort::bench

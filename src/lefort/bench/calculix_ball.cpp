@@ -90,8 +90,9 @@ std::string input_text(const CalculixBallTask& task) {
 /// The third component of the last total force on the lower side.
 Result<double> support_force_z_n(const std::string& text) {
   const std::size_t begin = text.rfind("total force");
-  if (begin != std::string::npos) {
-    const char* at = text.c_str() + text.find('\n', begin);
+  const std::size_t end_of_line = begin == std::string::npos ? begin : text.find('\n', begin);
+  if (end_of_line != std::string::npos) {
+    const char* at = text.c_str() + end_of_line;
     double force_n = NAN;
     for (int component = 0; component < 3; ++component) {
       char* end = nullptr;

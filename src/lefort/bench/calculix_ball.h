@@ -37,8 +37,8 @@ struct CalculixBallRun {
 
 /// Writes the input, runs `ccx` and reads its output.
 ///
-/// \returns the run; kInvalidArgument if ccx is not installed or fails, also because it does not
-///   converge; kFileNotFound or kFileCorrupt if its output is missing or not understood,
+/// \returns the run; kInvalidArgument if ccx is not installed, kNotConverged if it fails;
+///   kFileNotFound or kFileCorrupt if its output is missing or not understood,
 ///   kFileUnwritable, kCancelled.
 [[nodiscard]] Result<CalculixBallRun> run_calculix_ball(const CalculixBallTask& task,
                                                         Progress& progress);

@@ -47,14 +47,15 @@ Result<ProcessRun> run_ccx(const std::filesystem::path& folder, const std::strin
                                    fmt::format("OMP_NUM_THREADS={}", threads), "ccx", "-i", name},
                                   progress));
   if (run.exit_code == kNotFound)
-    return fail(ErrorCode::kInvalidArgument,
-                "CalculiX's ccx is not installed (Debian: calculix-ccx); --repeats 0 omits it");
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "CalculiX's ccx is not installed (Debian: calculix-ccx); bench solve --repeats 0 and bench "
+        "contact --without-calculix leave it out");
   const std::filesystem::path log = folder / (name + ".log");
   LEFORT_TRY_VOID(io::write_text(log, run.output));
   if (run.exit_code != 0)
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("CalculiX ended with {}; its output is in {}", run.exit_code, log.string()));
+    return fail(ErrorCode::kNotConverged, fmt::format("CalculiX ended with {}; its output is in {}",
+                                                      run.exit_code, log.string()));
   return run;
 }
 

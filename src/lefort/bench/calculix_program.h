@@ -30,7 +30,8 @@ namespace lefort::bench {
 /// Runs ccx on `folder`/`name`.inp, in the folder, because it writes files where it starts. Its
 /// output is saved as `name`.log.
 ///
-/// \returns the run; kInvalidArgument if ccx is not installed or fails; kFileUnwritable; kCancelled.
+/// \returns the run; kInvalidArgument if ccx is not installed, kNotConverged if it fails, for any
+///   reason; kFileUnwritable; kCancelled.
 [[nodiscard]] Result<ProcessRun> run_ccx(const std::filesystem::path& folder,
                                          const std::string& name, int threads, Progress& progress);
 

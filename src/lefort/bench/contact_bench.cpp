@@ -149,7 +149,7 @@ Result<void> measure_calculix(const ContactBenchOptions& options, ContactTable& 
       table.add(name, run->wall_seconds, run->iterations, run->increments, run->force_z_n);
       continue;
     }
-    if (run.error().code == ErrorCode::kCancelled || progress.stop_requested())
+    if (run.error().code != ErrorCode::kNotConverged || progress.stop_requested())
       return tl::unexpected(run.error());
     table.rows +=
         fmt::format("| {} | {} | | | |\n", name, "does not reach the end: " + run.error().message);

@@ -35,7 +35,8 @@ struct Figure {
 /// \param solve  solve.json of run_solve_bench().
 [[nodiscard]] std::vector<Figure> figures_of_solve(const nlohmann::ordered_json& solve);
 
-/// Time of CalculiX over ours for the ball on a block, the faster of both of our formulations.
+/// Time of CalculiX over ours for the ball on a block, the faster of both of our formulations. No
+/// ratio for comparison with stored ones: CalculiX runs once.
 /// \param contact  contact.json of run_contact_bench().
 [[nodiscard]] std::vector<Figure> figures_of_contact(const nlohmann::ordered_json& contact);
 

@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace lefort::predict {
 namespace {
 
 constexpr double kElementSize_mm = 6.0, kFarElementSize_mm = 12.0;
-/// Of the residual, relative: hundredths of a mm of the skin (docs/studies/planner-performance.md).
+/// Of the residual, relative: up to a tenth of a mm of the skin
+/// (docs/studies/planner-performance.md).
 constexpr double kPreviewTolerance = 3e-3;
 constexpr int kFollowIterations = 2;  ///< In each increment of an update during a drag.
 constexpr double kMoved_mm = 0.5;     ///< As in the summary of a prediction.
@@ -54,24 +56,49 @@ struct FacePreview::Live {
   Boxes boxes_B;  ///< Of the segments.
   SkinEmbedding skin;
   std::unique_ptr<FaceResponse> response;  ///< Of `model`.
-  FaceState last;                          ///< In equilibrium, unless the bones are dragged.
+  FaceState last;                          ///< The last equilibrium.
+  std::optional<FaceState> dragged;        ///< Last state of a drag, not in equilibrium.
   mutable std::mutex mutex;
 
-  /// The state from which the poses are closer, the last one or that at rest.
-  [[nodiscard]] FaceState closest_to(std::span<const RigidTransform> X_LB) const;
+  [[nodiscard]] double distance_from(const FaceState& state,
+                                     std::span<const RigidTransform> X_LB) const {
+    return distance_mm(boxes_B, X_LB, state.at.X_LB);
+  }
+  /// The equilibrium that is closer to the poses: the last one, or that at rest.
+  [[nodiscard]] FaceState equilibrium_near(std::span<const RigidTransform> X_LB) const;
+  /// True if the last state of a drag is at least as close to the poses as `state`.
+  [[nodiscard]] bool is_dragged_closer(const FaceState& state,
+                                       std::span<const RigidTransform> X_LB) const {
+    return dragged && distance_from(*dragged, X_LB) <= distance_from(state, X_LB);
+  }
   [[nodiscard]] Result<void> move_to(std::span<const RigidTransform> X_LB);
+  [[nodiscard]] Result<void> follow_to(std::span<const RigidTransform> X_LB);
 };
 
-FaceState FacePreview::Live::closest_to(std::span<const RigidTransform> X_LB) const {
+FaceState FacePreview::Live::equilibrium_near(std::span<const RigidTransform> X_LB) const {
   LEFORT_CHECK(X_LB.size() == model.segments.size());
-  const FaceState rest = response->at_rest();
-  const bool is_rest_closer =
-      distance_mm(boxes_B, X_LB, rest.at.X_LB) < distance_mm(boxes_B, X_LB, last.at.X_LB);
-  return is_rest_closer ? rest : last;
+  FaceState rest = response->at_rest();
+  return distance_from(rest, X_LB) < distance_from(last, X_LB) ? rest : last;
 }
 
 Result<void> FacePreview::Live::move_to(std::span<const RigidTransform> X_LB) {
-  LEFORT_TRY(last, response->solve({X_LB.begin(), X_LB.end()}, closest_to(X_LB)));
+  const FaceState start = equilibrium_near(X_LB);
+  const std::vector<RigidTransform> poses(X_LB.begin(), X_LB.end());
+  Result<FaceState> found = is_dragged_closer(start, X_LB)
+                                ? response->solve_near(poses, start, *dragged)
+                                : response->solve(poses, start);
+  dragged.reset();
+  LEFORT_TRY(last, std::move(found));
+  return {};
+}
+
+Result<void> FacePreview::Live::follow_to(std::span<const RigidTransform> X_LB) {
+  const FaceState start = equilibrium_near(X_LB);
+  Result<FaceState> found =
+      response->approach({X_LB.begin(), X_LB.end()},
+                         is_dragged_closer(start, X_LB) ? *dragged : start, kFollowIterations);
+  dragged.reset();
+  LEFORT_TRY(dragged, std::move(found));
   return {};
 }
 
@@ -118,9 +145,8 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
 
 Result<std::vector<Vec3>> FacePreview::follow_mm(std::span<const RigidTransform> X_LB) const {
   const std::scoped_lock lock(live_->mutex);
-  LEFORT_TRY(live_->last, live_->response->approach({X_LB.begin(), X_LB.end()},
-                                                    live_->closest_to(X_LB), kFollowIterations));
-  return skin_displacement(live_->skin, live_->last.displacement_mm());
+  LEFORT_TRY_VOID(live_->follow_to(X_LB));
+  return skin_displacement(live_->skin, live_->dragged->displacement_mm());
 }
 
 Result<VertexMotion> FacePreview::vertex_motion(std::span<const RigidTransform> X_LB,

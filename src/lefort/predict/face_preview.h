@@ -33,9 +33,9 @@ struct VertexMotion {
 /// The equations of a prediction on a coarse mesh: large strains, contact by quadrature, supports
 /// and lips as in predict_face(). Only the size of the elements and the tolerance of the
 /// equilibrium differ. Each call starts from the last equilibrium, or from rest if that is closer,
-/// so that a small motion takes a few iterations of Newton's method. Contact has no history, so the starting point
-/// changes the result by the tolerance of the equilibrium only, unless the tissue has several
-/// equilibria (docs/studies/planner-performance.md).
+/// so that a small motion takes a few iterations of Newton's method. Contact has no history, so the
+/// starting point changes the result by the tolerance of the equilibrium only, unless the tissue
+/// has several equilibria (docs/studies/planner-performance.md).
 ///
 /// Thread-safe; calls run one at a time.
 class FacePreview {
@@ -63,8 +63,9 @@ class FacePreview {
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
       std::span<const RigidTransform> X_LB) const;
 
-  /// As displacement_mm() during a drag: two Newton iterations from the last state. The face follows
-  /// the bones within some updates; after the drag displacement_mm() finds the equilibrium.
+  /// As displacement_mm() during a drag: two Newton iterations in each increment from the last
+  /// state, or the equilibrium if there are more than three increments. The face follows the bones
+  /// within some updates; after the drag displacement_mm() finds the equilibrium.
   [[nodiscard]] Result<std::vector<Vec3>> follow_mm(std::span<const RigidTransform> X_LB) const;
 
   /// \param segment  that is translated.

@@ -167,6 +167,18 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
   return FaceState{std::move(last)};
 }
 
+Result<FaceState> FaceResponse::solve_near(const std::vector<RigidTransform>& X_LB,
+                                           const FaceState& start, const FaceState& near) {
+  for (const RigidTransform& pose : X_LB)
+    if (!pose.matrix().allFinite()) return solve(X_LB, start);
+  if (increment_count(near.at.X_LB, X_LB) > 1) return solve(X_LB, start);
+  const fem::NewtonOutcome outcome =
+      body_->solve(start.at, X_LB, near.at.u, linear_solver_, Progress::none());
+  newton_iterations_ += outcome.iterations();
+  if (outcome.converged()) return FaceState{{X_LB, outcome.x}};
+  return solve(X_LB, start);
+}
+
 Result<FaceState> FaceResponse::approach(const std::vector<RigidTransform>& X_LB,
                                          const FaceState& start, int iterations) {
   LEFORT_CHECK(X_LB.size() == segment_count() && start.at.X_LB.size() == segment_count());

@@ -78,8 +78,15 @@ class FaceResponse {
                                         const FaceState& start,
                                         Progress& progress = Progress::none());
 
+  /// As solve(), but Newton's method begins at a state that is nearer to the poses, in equilibrium
+  /// or not. Contact is checked for the motion from `start`, from which the solve is repeated if
+  /// this fails.
+  /// \param near  a state of this model.
+  [[nodiscard]] Result<FaceState> solve_near(const std::vector<RigidTransform>& X_LB,
+                                             const FaceState& start, const FaceState& near);
+
   /// Newton iterations towards the equilibrium at poses, for a face that follows a drag. The result
-  /// is a start for solve(), and often near the equilibrium, but no result.
+  /// is a state for solve_near(), and often near the equilibrium, but no result.
   /// \param X_LB        pose of each segment.
   /// \param start       a state of this model.
   /// \param iterations  max number in each increment, >= 1.

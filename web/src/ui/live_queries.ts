@@ -1,6 +1,7 @@
 import { lengths, type Mat4 } from '../model';
 import { messageOf } from './errors';
 import type { Planner, SceneListeners } from './planner_context';
+import { nextFrame } from './schedule';
 import { stageOf } from './state';
 
 /** Requests during a drag: overlap, and preview of the face. */
@@ -77,7 +78,6 @@ export class LiveQueries {
     const aborter = (loop.aborter = new AbortController());
     while (loop.wanted && !aborter.signal.aborted) {
       const { poses, since } = loop.wanted;
-      const begin = since ?? performance.now();
       loop.wanted = null;
       try {
         const xyz = await this.planner.client.preview(poses, since === null, aborter.signal);
@@ -85,17 +85,18 @@ export class LiveQueries {
         this.listeners.onPreview(xyz);
         const max_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
         // The next request begins after the face is drawn, so that every update is seen.
-        await new Promise(requestAnimationFrame);
+        await new Promise<void>(nextFrame);
         if (aborter.signal.aborted) return;
         if (this.previewLoop.wanted?.since) continue; // Still waiting for the face at the end of the drag.
-        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - begin, why: '', max_mm } });
+        const latency_ms = since === null ? null : performance.now() - since;
+        this.planner.patch({ preview: { state: 'shown', latency_ms, why: '', max_mm } });
       } catch (error) {
         if (aborter.signal.aborted) return;
         this.listeners.onPreview(null);
         this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), max_mm: 0 } });
       }
     }
-    loop.aborter = null;
+    if (loop.aborter === aborter) loop.aborter = null;
   }
 
   dropPreview(): void {

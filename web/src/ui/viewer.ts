@@ -258,7 +258,7 @@ export class Viewer implements SceneListeners {
       anatomy: s.skinOpacity,
       landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0,
       osteotomy: 0,
-      movement: s.showPreview && (s.preview.state === 'shown' || s.preview.state === 'waiting') ? 0.45 : 0,
+      movement: s.showPreview && (s.preview.state === 'shown' || (s.preview.state === 'waiting' && this.previewOn)) ? 0.45 : 0,
       tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
       predict: s.showPreview ? 1 : 0.45,
       compare: 1,
@@ -303,12 +303,12 @@ export class Viewer implements SceneListeners {
     const previewKey = `${depthKey} ${preview.etag} ${preview.state} ${s.showPreview} ${this.isDragging}`;
     if (previewKey === this.previewKey) return;
     this.previewKey = previewKey;
+    clearTimeout(this.previewTimer);
     if (this.isDragging) {
       live.requestPreview(null);
       return;
     }
     const since = Math.max(this.input.changedAt, performance.now() - 50);
-    clearTimeout(this.previewTimer);
     this.previewTimer = setTimeout(() => live.requestPreview(since), PREVIEW_DELAY_MS);
   }
 

@@ -58,9 +58,8 @@ struct SearchedBrick {
 /// Visits the triangles of leaf `n`.
 ///
 /// \param first  the first point of the tile in the brick.
-/// \returns true if one of them is the nearest so far.
 template <Simd simd>
-LEFORT_INLINE bool visit_leaf(const SearchedBrick& brick, std::int32_t n,
+LEFORT_INLINE void visit_leaf(const SearchedBrick& brick, std::int32_t n,
                               const std::array<int, 3>& first, PreparedLeaves& prepared,
                               NearestInBrick& nearest) {
   using Row = Pack<float, kQuantities, simd>;
@@ -72,7 +71,6 @@ LEFORT_INLINE bool visit_leaf(const SearchedBrick& brick, std::int32_t n,
     prepare_triangles<simd>(brick.mesh, triangles, brick.low, brick.cell, brick.max_distance_mm,
                             batch);
   const std::size_t offset = NearestInBrick::linear_offset(first[0], first[1], first[2]);
-  bool is_nearer = false;
   for (std::size_t l = 0; l < triangles.size(); ++l) {
     const Planes& planes = batch[l];
     alignas(32) Quantities here;
@@ -83,19 +81,14 @@ LEFORT_INLINE bool visit_leaf(const SearchedBrick& brick, std::int32_t n,
     const auto quantity = [&](std::size_t q) __attribute__((always_inline)) {
       return within_tile<simd>(planes, q) + here[q];
     };
-    is_nearer |= visit_tile<simd>(planes, quantity, triangles[l], offset, nearest);
+    visit_tile<simd>(planes, quantity, triangles[l], offset, nearest);
   }
-  return is_nearer;
 }
 
 /// Updates the nearest triangles of a tile.
-///
-/// \param start  leaf that is visited first, or -1; then the last one with a nearest triangle: with
-///   the one of the previous tile most others are ruled out at once.
 template <Simd simd>
 LEFORT_INLINE void find_in_tile(const SearchedBrick& brick, const std::array<int, 3>& first,
-                                PreparedLeaves& prepared, std::int32_t& start,
-                                NearestInBrick& nearest) {
+                                PreparedLeaves& prepared, NearestInBrick& nearest) {
   const std::size_t offset = NearestInBrick::linear_offset(first[0], first[1], first[2]);
   if (!any(Ints<simd>::loaded(&nearest.code[offset]) < Ints<simd>::filled(0))) return;
   const auto step = float(brick.cell);
@@ -109,8 +102,6 @@ LEFORT_INLINE void find_in_tile(const SearchedBrick& brick, const std::array<int
   const std::array<float, 3> middle = {at(0) + step * (float(first[0]) + 1.5F),
                                        at(1) + step * (float(first[1]) + 0.5F),
                                        at(2) + step * (float(first[2]) + 0.5F)};
-  const std::int32_t visited = start;
-  if (visited >= 0) visit_leaf<simd>(brick, visited, first, prepared, nearest);
   const std::vector<TriangleTree::Node>& nodes = brick.tree.nodes;
   std::array<std::int32_t, TriangleTree::kStackSize> stack;
   std::size_t depth = 0;
@@ -119,9 +110,9 @@ LEFORT_INLINE void find_in_tile(const SearchedBrick& brick, const std::array<int
     const std::int32_t n = stack[--depth];
     const TriangleTree::Node& node = nodes[std::size_t(n)];
     const auto known = Floats<simd>::loaded(&nearest.squared_mm2[offset]);
-    if (n == visited || !any_less(squared_to_box(node, tile), known)) continue;
+    if (!any_less(squared_to_box(node, tile), known)) continue;
     if (node.count > 0) {
-      if (visit_leaf<simd>(brick, n, first, prepared, nearest)) start = n;
+      visit_leaf<simd>(brick, n, first, prepared, nearest);
       continue;
     }
     std::pair children(n + 1, node.first);
@@ -136,11 +127,10 @@ LEFORT_INLINE void find_in_tile(const SearchedBrick& brick, const std::array<int
 template <Simd simd>
 LEFORT_INLINE void find_all(const SearchedBrick& brick, NearestInBrick& nearest) {
   PreparedLeaves prepared;
-  std::int32_t start = -1;
   for (int z = 0; z < kSide; z += int(NearestInBrick::kTileZ))
     for (int y = 0; y < kSide; y += int(NearestInBrick::kTileY))
       for (int x = 0; x < kSide; x += int(NearestInBrick::kTileX))
-        find_in_tile<simd>(brick, {x, y, z}, prepared, start, nearest);
+        find_in_tile<simd>(brick, {x, y, z}, prepared, nearest);
 }
 
 #if defined(__x86_64__)

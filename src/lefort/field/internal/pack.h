@@ -168,6 +168,7 @@ LEFORT_INLINE bool any_less(const Pack<Number, kCount, simd>& a,
 #if defined(__x86_64__)
   constexpr int kLess = 1, kCurrentRounding = 4;
   constexpr bool is_512 = Pack<Number, kCount, simd>::kBytes == 64;
+  static_assert(!is_512 || Pack<Number, kCount, simd>::kParts == 1);
   if constexpr (is_512 && sizeof(Number) == sizeof(float))
     return __builtin_ia32_cmpps512_mask(a.parts[0], b.parts[0], kLess, -1, kCurrentRounding) != 0;
   if constexpr (is_512 && sizeof(Number) == sizeof(double))

@@ -207,9 +207,8 @@ LEFORT_INLINE Floats<simd> within_tile(const Planes& planes, std::size_t quantit
 ///
 /// \param quantity  maps the number of a quantity to its values at the points of the tile.
 /// \param offset    position of the first point of the tile.
-/// \returns true if it is the nearest triangle of a point so far.
 template <Simd simd, class Quantity>
-LEFORT_INLINE bool visit_tile(const Planes& planes, const Quantity& quantity, std::int32_t triangle,
+LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, std::int32_t triangle,
                               std::size_t offset, NearestInBrick& nearest) {
   using F = Floats<simd>;
   using I = Ints<simd>;
@@ -223,7 +222,7 @@ LEFORT_INLINE bool visit_tile(const Planes& planes, const Quantity& quantity, st
   const F known = F::loaded(&nearest.squared_mm2[offset]);
   // Lower bound of the distance, exact unless the closest point is a corner: rules out three of
   // four triangles.
-  if (!any_less(height2 + beyond * beyond, known)) return false;
+  if (!any_less(height2 + beyond * beyond, known)) return;
 
   const F to_boundary =
       smaller(squared_to_side(quantity(kAlong), out_0, planes.length[0]),
@@ -239,7 +238,6 @@ LEFORT_INLINE bool visit_tile(const Planes& planes, const Quantity& quantity, st
   // True lanes are -1, so subtracting them sets a bit.
   const I code = I::filled(4 * triangle) - inside - inside - (height < none);
   select(nearer, code, I::loaded(&nearest.code[offset])).store(&nearest.code[offset]);
-  return any(nearer);
 }
 
 /// Prepares at most kBatch triangles for visit_tile().

@@ -1,7 +1,6 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/anatomy/tissue_volumes.h>
-#include <lefort/core/run_concurrently.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/segmentation_file.h>
@@ -74,21 +73,36 @@ Result<std::vector<predict::ContactBone>> find_segments(const plan::CutSegments&
   return segments;
 }
 
-Result<plan::CutSegments> cut_bone(const io::PlanFile& plan, const ScannedHead& head,
-                                   Progress& progress) {
+/// Bones of a plan after the osteotomies.
+struct BonesAndFields {
+  plan::CutSegments cut;
+  geometry::TriangleMesh segments_L;  ///< All segments as one mesh.
+  std::vector<predict::ContactBone> segments;
+};
+
+/// Checks the paths, too, because that takes seconds and meshing takes minutes.
+Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& head,
+                                const StageCache& cache, Progress& progress) {
   progress.begin_stage("cut the bone");
-  LEFORT_TRY(plan::CutSegments cut,
-             plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
-  for (const plan::OsteotomyResult& result : cut.cuts) note_fragments(result, progress);
+  BonesAndFields bones;
+  LEFORT_TRY(bones.cut, plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
+  for (const geometry::TriangleMesh& segment_L : bones.cut.segments_L)
+    plan::append(bones.segments_L, segment_L);
+  for (const plan::OsteotomyResult& result : bones.cut.cuts) note_fragments(result, progress);
   for (std::size_t k = 0; k < plan.segments.size(); ++k)
-    note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, cut.segments_L[k], progress);
-  return cut;
+    note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, bones.cut.segments_L[k],
+                      progress);
+  LEFORT_TRY(bones.segments, find_segments(bones.cut, plan, cache, progress));
+  LEFORT_TRY_VOID(predict::check_query_range(plan::paths_of(plan.segments), bones.segments,
+                                             plan.contact.detection, plan.boundary));
+  return bones;
 }
 
-Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(
-    const plan::CutSegments& cut, const std::vector<predict::ContactBone>& segments,
-    const io::PlanFile& plan, const StageCache& cache, Progress& progress) {
-  const geometry::TriangleMesh& remainder_L = cut.remainder_L;
+Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(const BonesAndFields& prepared,
+                                                                  const io::PlanFile& plan,
+                                                                  const StageCache& cache,
+                                                                  Progress& progress) {
+  const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;
   LEFORT_TRY(
       const auto stationary_field,
       find_field("remainder", remainder_L, bone_field_options(plan, remainder_L), cache, progress));
@@ -100,7 +114,7 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(
   const std::vector<geometry::RigidPath> paths = plan::paths_of(plan.segments);
   std::vector<predict::MovingBone> bones;
   for (std::size_t k = 0; k < paths.size(); ++k) {
-    const predict::ContactBone& segment = segments[k];
+    const predict::ContactBone& segment = prepared.segments[k];
     LEFORT_TRY(bones.emplace_back(), predict::make_moving_bone(paths[k].segment, segment.surface_B,
                                                                &paths[k], segment.field_B));
   }
@@ -111,22 +125,6 @@ Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(
   if (const predict::BoneOverlapAtFraction* deepest = predict::find_deepest(overlaps))
     progress.note("warning: " + predict::describe_overlap(*deepest, plan.segments.size()));
   return overlaps;
-}
-
-/// Segments with their fields, and how they overlap along their paths.
-struct CheckedSegments {
-  std::vector<predict::ContactBone> segments;
-  std::vector<predict::BoneOverlapAtFraction> overlaps;
-};
-
-Result<CheckedSegments> check_segments(const plan::CutSegments& cut, const io::PlanFile& plan,
-                                       const StageCache& cache, Progress& progress) {
-  CheckedSegments checked;
-  LEFORT_TRY(checked.segments, find_segments(cut, plan, cache, progress));
-  LEFORT_TRY_VOID(predict::check_query_range(plan::paths_of(plan.segments), checked.segments,
-                                             plan.contact.detection, plan.boundary));
-  LEFORT_TRY(checked.overlaps, find_overlaps(cut, checked.segments, plan, cache, progress));
-  return checked;
 }
 
 /// What a face is meshed from.
@@ -289,28 +287,22 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(geometry::TriangleMesh skin_L,
              anatomy::extract_isosurface(
                  anatomy::skin_level(head.scan.ct, head.labels, head.levels), {}, progress));
-  LEFORT_TRY(plan::CutSegments cut, cut_bone(plan, head, progress));
-  // Paths are checked beside, because that takes seconds and meshing, in one thread, more.
-  LEFORT_TRY(
-      auto both,
-      run_concurrently([&](Progress& beside) { return check_segments(cut, plan, cache, beside); },
-                       [&](Progress& shown) {
-                         return make_tissue({head, skin_L, cut, plan.segments,
-                                             painted ? &*painted : nullptr, plan.landmarks},
-                                            plan.tissue, plan.boundary, cache, shown);
-                       },
-                       progress));
-  auto& [checked, made] = both;
+  LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head, cache, progress));
+  LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
+             find_overlaps(bones, plan, cache, progress));
+  LEFORT_TRY(Tissue made, make_tissue({head, skin_L, bones.cut, plan.segments,
+                                       painted ? &*painted : nullptr, plan.landmarks},
+                                      plan.tissue, plan.boundary, cache, progress));
   predict::TissueBoundary& boundary = made.boundary;
   note_boundary(boundary, plan, painted.has_value(), progress);
   LEFORT_TRY(std::optional<predict::ContactBone> stationary_bone,
-             find_stationary_bone(boundary, cut.remainder_L, plan, cache, progress));
+             find_stationary_bone(boundary, bones.cut.remainder_L, plan, cache, progress));
   mesh::VolumeMesh& tissue = boundary.tissue;
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer = measure_skin_layer(
       tissue, made.layered.blocks.empty() ? tissue : made.layered, plan.tissue, quality, progress);
   predict::FaceModel model{.tissue = std::move(tissue),
-                           .segments = std::move(checked.segments),
+                           .segments = std::move(bones.segments),
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
@@ -322,11 +314,11 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                       grid,
                       anatomy::tissue_volumes_ml(head.labels),
                       std::move(skin_L),
-                      std::move(cut),
+                      std::move(bones.cut),
                       std::move(model),
                       std::move(quality),
                       std::move(skin_layer),
-                      std::move(checked.overlaps),
+                      std::move(overlaps),
                       std::move(head),
                       std::move(painted)};
 }

@@ -3,7 +3,9 @@
 #include <lefort/bench/figures.h>
 #include <lefort/bench/solve_block.h>
 #include <lefort/bench/table1.h>
+#include <lefort/core/parallel.h>
 #include <lefort/core/version.h>
+#include <lefort/field/simd.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/read_text.h>
@@ -30,6 +32,18 @@ using bench::Figure;
 constexpr std::uintmax_t kMaxBytes = 1 << 26;
 constexpr const char* kFile = "bench.json";
 
+/// Instruction set of the kernels, which changes ratios.
+const char* simd_name() {
+  switch (field::best_simd()) {
+    case field::Simd::kAvx512:
+      return "AVX-512";
+    case field::Simd::kAvx2:
+      return "AVX2";
+    default:
+      return "baseline";
+  }
+}
+
 Result<Json> read_figures(const fs::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
   Json json = Json::parse(text, nullptr, false);
@@ -55,6 +69,11 @@ Result<Json> read_stored(const BenchAllJob& job, const std::string& scan) {
   if (!scan.empty() && stored.value("scan", scan) != scan)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: is of another scan", job.against->string()));
+  if (stored.value("simd", simd_name()) != simd_name())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: is of a processor with {}, this one has {}; store ratios of this "
+                            "machine",
+                            job.against->string(), stored.value("simd", ""), simd_name()));
   return stored;
 }
 
@@ -87,7 +106,9 @@ Result<std::vector<Figure>> measure_parts(const BenchAllJob& job, Progress& prog
   append(bench::figures_of_solve(solve_json), figures);
   const fs::path contact = job.output / "contact";
   LEFORT_TRY(const std::string ball,
-             bench::run_contact_bench({.output = contact, .repeats = job.repeats}, progress));
+             bench::run_contact_bench(
+                 {.output = contact, .threads = ThreadLimit::current(), .repeats = job.repeats},
+                 progress));
   LEFORT_TRY(const Json contact_json, read_figures(contact / "contact.json"));
   append(bench::figures_of_contact(contact_json), figures);
   return figures;
@@ -95,6 +116,7 @@ Result<std::vector<Figure>> measure_parts(const BenchAllJob& job, Progress& prog
 
 /// The prediction of a plan from the scan to the report, and its preview.
 Result<std::vector<Figure>> measure_plan(const BenchAllJob& job, Progress& progress) {
+  constexpr double kFrame_mm = 0.25;  // Of a slow drag; larger ones are solved to equilibrium.
   const fs::path prediction = job.output / "prediction";
   std::error_code ignored;
   fs::remove_all(prediction / "cache", ignored);  // Cached stages would take no time.
@@ -111,9 +133,10 @@ Result<std::vector<Figure>> measure_plan(const BenchAllJob& job, Progress& progr
   LEFORT_TRY(const Summary preview, bench_preview({.plan = *job.plan,
                                                    .ct = job.ct,
                                                    .output = job.output / "preview",
-                                                   .prediction = prediction},
+                                                   .prediction = prediction,
+                                                   .frame_mm = kFrame_mm},
                                                   progress));
-  figures.push_back({"preview, update of 1 mm", preview.json.at("update_median_s"), "s"});
+  figures.push_back({"preview, update of 0.25 mm", preview.json.at("update_median_s"), "s"});
   figures.push_back({"preview, after the release", preview.json.at("release_s"), "s"});
   figures.push_back({"preview, rest to end", preview.json.at("jump_s"), "s"});
   figures.push_back({"preview, P99 from the prediction", preview.json.at("p99_mm"), "mm"});
@@ -174,6 +197,7 @@ Result<BenchSummary> bench_all(const BenchAllJob& job, Progress& progress) {
   const auto write_figures = [&](std::span<const Figure> figures) {
     Json document = bench::to_json(figures);
     document["scan"] = scan;
+    document["simd"] = simd_name();
     return io::write_text(job.output / kFile, document.dump(1) + "\n");
   };
   LEFORT_TRY(std::vector<Figure> figures, measure_parts(job, progress));
