@@ -167,11 +167,11 @@ LEFORT_INLINE bool any_less(const Pack<Number, kCount, simd>& a,
                             const Pack<Number, kCount, simd>& b) {
 #if defined(__x86_64__)
   constexpr int kLess = 1, kCurrentRounding = 4;
-  constexpr bool is_512 = Pack<Number, kCount, simd>::kBytes == 64;
-  static_assert(!is_512 || Pack<Number, kCount, simd>::kParts == 1);
-  if constexpr (is_512 && sizeof(Number) == sizeof(float))
+  constexpr bool kIs512 = Pack<Number, kCount, simd>::kBytes == 64;
+  static_assert(!kIs512 || Pack<Number, kCount, simd>::kParts == 1);
+  if constexpr (kIs512 && sizeof(Number) == sizeof(float))
     return __builtin_ia32_cmpps512_mask(a.parts[0], b.parts[0], kLess, -1, kCurrentRounding) != 0;
-  if constexpr (is_512 && sizeof(Number) == sizeof(double))
+  if constexpr (kIs512 && sizeof(Number) == sizeof(double))
     return __builtin_ia32_cmppd512_mask(a.parts[0], b.parts[0], kLess, -1, kCurrentRounding) != 0;
 #endif
   return any(a < b);
