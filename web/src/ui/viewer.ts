@@ -258,7 +258,8 @@ export class Viewer implements SceneListeners {
       anatomy: s.skinOpacity,
       landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0,
       osteotomy: 0,
-      movement: s.showPreview && (s.preview.state === 'shown' || (s.preview.state === 'waiting' && this.previewOn)) ? 0.45 : 0,
+      movement:
+        s.showPreview && (s.preview.state === 'shown' || (s.preview.state === 'waiting' && this.previewOn)) ? 0.45 : 0,
       tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
       predict: s.showPreview ? 1 : 0.45,
       compare: 1,
