@@ -250,8 +250,8 @@ export class Client {
   }
 
   /**
-   * Displacement of each vertex of the skin [mm], flat xyz. A preview, not a prediction. `dragging`: the face follows the
-   * bones, without its equilibrium.
+   * Displacement of each vertex of the skin [mm], flat xyz. A preview, not a prediction. `dragging`: the face follows
+   * the bones, without its equilibrium.
    */
   async preview(poses: Poses, dragging: boolean, signal?: AbortSignal): Promise<Float32Array> {
     const response = await this.send('POST', '/preview', {
