@@ -1,12 +1,9 @@
 #include <lefort/bench/ball_problem.h>
+#include <lefort/bench/unit_sphere.h>
 #include <lefort/core/check.h>
 #include <lefort/mesh/box_grid.h>
 
-#include <cstdint>
-#include <map>
 #include <numbers>
-#include <utility>
-#include <vector>
 
 namespace lefort::bench {
 namespace {
@@ -22,25 +19,6 @@ geometry::TriangleMesh unit_icosahedron() {
                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (Vec3& v : ball.vertices) v.normalize();
   return ball;
-}
-
-/// Four triangles for each; the middles of edges are moved to the unit sphere.
-void halve_edges(geometry::TriangleMesh& ball) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
-  const auto middle = [&](std::int32_t a, std::int32_t b) {
-    const auto [known, is_new] =
-        middles.try_emplace(std::minmax(a, b), std::int32_t(ball.vertices.size()));
-    if (is_new)
-      ball.vertices.push_back(
-          (ball.vertices[std::size_t(a)] + ball.vertices[std::size_t(b)]).normalized());
-    return known->second;
-  };
-  std::vector<geometry::Triangle> finer;
-  for (const auto& [a, b, c] : std::exchange(ball.triangles, {})) {
-    const std::int32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-  }
-  ball.triangles = std::move(finer);
 }
 
 }  // namespace

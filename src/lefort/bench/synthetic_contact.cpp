@@ -1,10 +1,10 @@
 #include <lefort/bench/convergence.h>
+#include <lefort/bench/unit_sphere.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <array>
-#include <map>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -44,25 +44,7 @@ TriangleMesh coarse_sphere() {
       .vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
       .triangles = {
           {0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
-  for (int n = 0; n < kHalvings; ++n) {
-    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
-    const auto middle = [&](std::int32_t a, std::int32_t b) {
-      const auto [known, is_new] =
-          middles.try_emplace(std::minmax(a, b), std::int32_t(sphere.vertices.size()));
-      if (is_new)
-        sphere.vertices.push_back(
-            (sphere.vertices[std::size_t(a)] + sphere.vertices[std::size_t(b)]).normalized());
-      return known->second;
-    };
-    std::vector<geometry::Triangle> finer;
-    for (const auto& [a, b, c] : std::exchange(sphere.triangles, {})) {
-      const std::int32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const geometry::Triangle& t :
-           {geometry::Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
-        finer.push_back(t);
-    }
-    sphere.triangles = std::move(finer);
-  }
+  for (int n = 0; n < kHalvings; ++n) halve_edges(sphere);
   for (Vec3& v : sphere.vertices) v = kRadius_mm * v + Vec3(0.0, 0.0, kRadius_mm);
   return sphere;
 }
