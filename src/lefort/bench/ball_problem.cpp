@@ -9,7 +9,7 @@ namespace lefort::bench {
 namespace {
 
 geometry::TriangleMesh unit_icosahedron() {
-  constexpr double t = std::numbers::phi;
+  const double t = std::numbers::phi;
   geometry::TriangleMesh ball;
   ball.vertices = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
                    {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};

@@ -14,7 +14,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-Vec3 kBlock_mm() { return {24.0, 24.0, 10.0}; }
+Vec3 block_size_mm() { return {24.0, 24.0, 10.0}; }
 constexpr double kElement_mm = 1.5;
 
 /// A cube of 12 mm whose lowest edge lies along y at the origin.
@@ -55,7 +55,7 @@ Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Pr
   ConvergenceCase task;
   task.name = task.mesh_name = std::move(name);
   const auto cells = [](double size_mm) { return int(std::lround(size_mm / kElement_mm)); };
-  const Vec3 size_mm = kBlock_mm();
+  const Vec3 size_mm = block_size_mm();
   task.model.tissue =
       mesh::make_box(mesh::ElementShape::kTet4,
                      {cells(size_mm.x()), cells(size_mm.y()), cells(size_mm.z())}, size_mm);

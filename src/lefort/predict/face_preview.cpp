@@ -155,6 +155,7 @@ Result<VertexMotion> FacePreview::vertex_motion(std::span<const RigidTransform> 
   LEFORT_CHECK(segment < segment_count() && vertex >= 0 && vertex < vertex_count());
   LEFORT_TRY_VOID(live_->move_to(X_LB));
   std::vector<PoseRate> rates;
+  rates.reserve(3);
   for (int axis = 0; axis < 3; ++axis)
     rates.push_back({{segment, {.translation = Vec3::Unit(axis)}}});
   LEFORT_TRY(const Eigen::MatrixXd du, live_->response->sensitivities(live_->last, rates));

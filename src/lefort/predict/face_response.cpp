@@ -22,6 +22,7 @@ constexpr double kDerivativeTolerance = 1e-10;
 /// Paths without motion, for the checks of bones and queries.
 std::vector<geometry::RigidPath> paths_at_rest(const std::vector<std::string>& names) {
   std::vector<geometry::RigidPath> paths;
+  paths.reserve(names.size());
   for (const std::string& name : names)
     paths.push_back({.segment = name, .keyframes = {geometry::Keyframe{}}, .steps = 1});
   return paths;

@@ -7,7 +7,18 @@ namespace lefort::field {
 
 namespace {
 
-using namespace internal;
+using internal::Batch;
+using internal::Floats;
+using internal::Ints;
+using internal::kBatch;
+using internal::kQuantities;
+using internal::kSide;
+using internal::kTileX_cells;
+using internal::kTileY_cells;
+using internal::kTileZ_cells;
+using internal::Pack;
+using internal::Planes;
+using internal::Quantities;
 
 static_assert(TriangleTree::kLeafTriangles == kBatch);
 

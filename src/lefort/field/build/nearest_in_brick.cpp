@@ -5,7 +5,13 @@ namespace lefort::field {
 
 namespace {
 
-using namespace internal;
+using internal::Batch;
+using internal::Floats;
+using internal::kBatch;
+using internal::kQuantities;
+using internal::Pack;
+using internal::Planes;
+using internal::Quantities;
 
 template <Simd simd>
 LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInBrick& nearest) {

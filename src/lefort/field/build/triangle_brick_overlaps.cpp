@@ -7,7 +7,13 @@ namespace lefort::field {
 
 namespace {
 
-using namespace internal;
+using internal::Doubles;
+using internal::kBatch;
+using internal::kSide;
+using internal::Lanes;
+using internal::lanes_of;
+using internal::Pack;
+using internal::Vectors;
 
 /// Half-spaces per triangle: two for its plane, three for its edges; rounded up to a register.
 constexpr std::size_t kFaces = kBatch;
