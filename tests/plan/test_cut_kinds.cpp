@@ -105,7 +105,7 @@ TEST(CutByPlanes, KerfIsNotRemovedNextToFragments) {
   osteotomy.kerf_mm = 1.0;
   const auto bones = perform_osteotomy(with_spur, osteotomy);
   expect_conserved(bones);
-  EXPECT_EQ(bones->fragments, 1);
+  EXPECT_EQ(bones->fragments.size(), 1u);
   EXPECT_NEAR(bones->kerf_volume_mm3, 400.0, 1e-6);
   EXPECT_EQ(geometry::connected_components(bones->remainder_L).count, 2);  // The spur is not cut.
 }

@@ -37,7 +37,7 @@ TEST(PerformOsteotomy, SeparatesTheBoneInFrontOfThePlane) {
   EXPECT_NEAR(geometry::signed_volume_mm3(bones->remainder_L), 10000.0, 1e-6);
   EXPECT_NEAR(bones->skull_volume_mm3, 16000.0, 1e-6);
   EXPECT_EQ(bones->segment_pieces, 1);
-  EXPECT_EQ(bones->fragments, 0);
+  EXPECT_TRUE(bones->fragments.empty());
   EXPECT_NEAR(geometry::bounding_box(bones->segment_L).max().y(), -5.0, 1e-12);
 }
 
@@ -45,8 +45,10 @@ TEST(PerformOsteotomy, FragmentIsStitchedToTheRemainder) {
   const auto bones = perform_osteotomy(bar_with_spur(), front_of(0.0));
   ASSERT_TRUE(bones) << bones.error().message;
   EXPECT_EQ(bones->segment_pieces, 1);
-  EXPECT_EQ(bones->fragments, 1);
-  EXPECT_NEAR(bones->fragment_volume_mm3, 8.0, 1e-9);
+  ASSERT_EQ(bones->fragments.size(), 1u);
+  EXPECT_NEAR(bones->fragments[0].volume_mm3, 8.0, 1e-9);
+  EXPECT_EQ(bones->fragments[0].owner, FragmentOwner::kRemainder);
+  EXPECT_TRUE(bones->fragments[0].is_within_cut);
   EXPECT_NEAR(bones->segment_volume_mm3, 8000.0, 1e-6);
   EXPECT_NEAR(geometry::signed_volume_mm3(bones->segment_L), 8000.0, 1e-6);
   EXPECT_NEAR(geometry::signed_volume_mm3(bones->remainder_L), 8000.0 + 80.0, 1e-6);
@@ -58,15 +60,17 @@ TEST(PerformOsteotomy, FragmentIsStitchedToTheRemainder) {
   EXPECT_NEAR(geometry::area_mm2(spur), 2.0 * 4.0 + 4.0 * 40.0, 1e-9);
 }
 
-TEST(PerformOsteotomy, FragmentKeepsItsCavity) {
+TEST(PerformOsteotomy, IslandBelongsToTheNearerPartWithItsCavity) {
   TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   skull = test::join(skull, test::make_box({12, -10, 0}, {16, -6, 4}));
   skull = test::join(skull, test::turn_inside_out(test::make_box({13, -9, 1}, {15, -7, 3})));
   const auto bones = perform_osteotomy(skull, front_of(0.0));
   ASSERT_TRUE(bones) << bones.error().message;
-  EXPECT_EQ(bones->fragments, 1);
-  EXPECT_NEAR(bones->fragment_volume_mm3, 64.0 - 8.0, 1e-9);
-  EXPECT_NEAR(geometry::signed_volume_mm3(bones->segment_L), 8000.0, 1e-6);
+  ASSERT_EQ(bones->fragments.size(), 1u);
+  EXPECT_NEAR(bones->fragments[0].volume_mm3, 64.0 - 8.0, 1e-9);
+  EXPECT_EQ(bones->fragments[0].owner, FragmentOwner::kSegment);  // 2 mm away; the remainder 6 mm.
+  EXPECT_NEAR(geometry::signed_volume_mm3(bones->segment_L), 8000.0 + 56.0, 1e-6);
+  EXPECT_NEAR(bones->fragments[0].center_L.x(), 14.0, 1e-9);
 }
 
 TEST(PerformOsteotomy, BoundsDefineFragments) {
@@ -74,11 +78,11 @@ TEST(PerformOsteotomy, BoundsDefineFragments) {
                                       {.min_piece_ml = 0.001, .min_piece_fraction = 1e-4});
   ASSERT_TRUE(kept) << kept.error().message;
   EXPECT_EQ(kept->segment_pieces, 2);
-  EXPECT_EQ(kept->fragments, 0);
+  EXPECT_TRUE(kept->fragments.empty());
   const auto by_fraction = perform_osteotomy(bar_with_spur(), front_of(0.0),
                                              {.min_piece_ml = 0.0, .min_piece_fraction = 0.01});
   ASSERT_TRUE(by_fraction) << by_fraction.error().message;
-  EXPECT_EQ(by_fraction->fragments, 1);
+  EXPECT_EQ(by_fraction->fragments.size(), 1u);
 }
 
 void expect_error(const Result<OsteotomyResult>& bones, ErrorCode code, const std::string& words) {

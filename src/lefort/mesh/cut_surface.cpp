@@ -18,7 +18,7 @@ using geometry::TriangleMesh;
 /// Displacements of the cut, tried in this order. With exact arithmetic a valid surface needs none.
 /// If the cut passes through a point where the surface touches or crosses itself, a slightly
 /// displaced cut often does not. All are far below the accuracy of a saw or a scanner.
-constexpr std::array kShifts_mm{0.0, 1e-6, 1e-5, 1e-4};
+constexpr std::array kShifts_mm{0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
 constexpr double kMaxVolumeError = 1e-3;  // Fraction of the volume of the surface.
 
 Result<void> check_half_spaces(std::span<const HalfSpace> half_spaces) {

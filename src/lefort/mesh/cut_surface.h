@@ -36,7 +36,7 @@ struct SurfaceCut {
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
 ///   - kMeshInvalid      as repair_surface(): for example the surface is open;
 ///   - kMeshingFailed    the surface crosses itself along the cut, even after the planes were
-///     displaced by up to 1e-4 mm; the volumes of the parts do not add up within 0.1 %; or memory
+///     displaced by up to 0.01 mm; the volumes of the parts do not add up within 0.1 %; or memory
 ///     is exhausted;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Intersection points are computed exactly, then rounded \cite cgal:lty-pmp, chapter
@@ -51,7 +51,7 @@ struct SurfaceCut {
 /// \param solid     closed, counter-clockwise seen from outside, not crossing itself; may be empty.
 /// \param progress  receives the fraction of attempts done; may request a stop.
 /// \returns as above, except kInvalidArgument. If the cut passes through a defect of the surface,
-///   the solid is displaced by up to 1e-4 mm.
+///   the solid is displaced by up to 0.01 mm.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              const geometry::TriangleMesh& solid,
                                              Progress& progress = Progress::none());

@@ -1,4 +1,5 @@
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/mesh/internal/disjoint_sets.h>
 #include <lefort/mesh/stitch_surfaces.h>
 
 #include <algorithm>
@@ -39,9 +40,10 @@ TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
     b_flipped.emplace(corners_of(b, flipped), t);
   }
 
-  // Vertices of b follow those of a; those on a common cap get the number of their match in a.
-  std::vector<std::int32_t> number(b.vertices.size());
-  std::iota(number.begin(), number.end(), std::int32_t(a.vertices.size()));
+  // Vertices of b follow those of a; those on a common cap merge with their matches in a. A vertex
+  // of b may match two of a: pieces of a that touch at a point of the cap have a vertex each.
+  internal::DisjointSets merged(a.vertices.size() + b.vertices.size());
+  const auto first_of_b = a.vertices.size();
   std::vector<bool> dropped(b.triangles.size(), false);
   TriangleMesh joined;
   joined.vertices = a.vertices;
@@ -56,7 +58,8 @@ TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
     dropped[t] = true;
     const auto& [p, q, r] = b.triangles[t];
     const Triangle flipped = smallest_first(b, {p, r, q});
-    for (std::size_t c = 0; c < 3; ++c) number[std::size_t(flipped[c])] = first[c];
+    for (std::size_t c = 0; c < 3; ++c)
+      merged.unite(std::size_t(first[c]), first_of_b + std::size_t(flipped[c]));
     b_flipped.erase(match);
   }
 
@@ -64,9 +67,11 @@ TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
   for (std::size_t t = 0; t < b.triangles.size(); ++t) {
     if (dropped[t]) continue;
     Triangle triangle = b.triangles[t];
-    for (std::int32_t& vertex : triangle) vertex = number[std::size_t(vertex)];
+    for (std::int32_t& vertex : triangle) vertex += std::int32_t(first_of_b);
     joined.triangles.push_back(triangle);
   }
+  for (Triangle& triangle : joined.triangles)
+    for (std::int32_t& vertex : triangle) vertex = std::int32_t(merged.find(std::size_t(vertex)));
   return geometry::keep_triangles(joined, [](Index) { return true; });  // Removes unused vertices.
 }
 

@@ -134,6 +134,7 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
     LEFORT_TRY(OsteotomyResult bones, cut_one(source, mandible_L, one, progress));
     if (one.is_whole_mandible) mandible_L = nullptr;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
+    all.left_out_volume_mm3 += bones.left_out_volume_mm3;
     source = std::move(bones.remainder_L);
     if (!one.cut_from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;
     all.volumes_mm3.push_back(bones.segment_volume_mm3);
@@ -145,7 +146,8 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
   all.remainder_volume_mm3 = geometry::signed_volume_mm3(all.remainder_L);
   std::vector<double> parts_mm3 = all.volumes_mm3;
   parts_mm3.insert(parts_mm3.end(), {all.remainder_volume_mm3, all.kerf_volume_mm3});
-  LEFORT_TRY_VOID(check_volumes("all osteotomies", all.skull_volume_mm3, parts_mm3));
+  LEFORT_TRY_VOID(
+      check_volumes("all osteotomies", all.skull_volume_mm3 - all.left_out_volume_mm3, parts_mm3));
   return all;
 }
 

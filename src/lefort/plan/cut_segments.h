@@ -41,11 +41,12 @@ struct PlannedSegment {
 struct CutSegments {
   std::vector<geometry::TriangleMesh> segments_L;  ///< In the order of the plan.
   geometry::TriangleMesh remainder_L;
-  std::vector<OsteotomyResult> cuts;  ///< The result of each cut, without surfaces.
+  std::vector<OsteotomyResult> cuts;  ///< The result of each cut, without surfaces of parts.
   double skull_volume_mm3 = 0.0;      ///< Before all cuts; with the mandible, if it was given.
   std::vector<double> volumes_mm3;    ///< Of the segments, after all cuts.
   double remainder_volume_mm3 = 0.0;
-  double kerf_volume_mm3 = 0.0;  ///< Of all cuts.
+  double kerf_volume_mm3 = 0.0;      ///< Of all cuts.
+  double left_out_volume_mm3 = 0.0;  ///< Of all cuts: fragments without an owner.
 };
 
 /// Performs the osteotomies in the order of the plan. Each one cuts the remainder of the earlier

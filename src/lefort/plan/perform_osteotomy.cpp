@@ -1,10 +1,10 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/cut_surface.h>
-#include <lefort/mesh/stitch_surfaces.h>
 #include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_solid.h>
+#include <lefort/plan/fragments.h>
 #include <lefort/plan/perform_osteotomy.h>
 
 #include <fmt/format.h>
@@ -94,36 +94,26 @@ std::set<Position> positions_of(const TriangleMesh& mesh) {
   return positions;
 }
 
-/// Stitches surfaces that were cut from each other.
-TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
-  if (b.triangles.empty()) return a;
-  if (a.triangles.empty()) return b;
-  return mesh::stitch_surfaces(a, b);
-}
-
 /// The pieces within a cut: the segment and the fragments.
 struct Sorted {
-  OsteotomyResult bones;  ///< Without the remainder.
-  TriangleMesh fragments;
+  TriangleMesh segment_L;
+  Index segment_pieces = 0;
+  std::vector<BoneBody> fragments;
 };
 
 Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool> within,
                            const Osteotomy& osteotomy, const OsteotomyOptions& options) {
-  Sorted sorted;
-  OsteotomyResult& bones = sorted.bones;
   std::vector<BoneBody> inside;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     if (within[b]) inside.push_back(bodies[b]);
-  LEFORT_TRY(std::vector<bool> is_segment, osteotomy.anchor_points_L.empty()
-                                               ? find_large(inside, osteotomy, options)
-                                               : find_anchored(inside, osteotomy, options));
-  for (std::size_t b = 0; b < inside.size(); ++b) {
-    (is_segment[b] ? bones.segment_volume_mm3 : bones.fragment_volume_mm3) += inside[b].volume_mm3;
-    ++(is_segment[b] ? bones.segment_pieces : bones.fragments);
-  }
-  bones.segment_L = gather(inside, is_segment);
-  is_segment.flip();
-  sorted.fragments = gather(inside, is_segment);
+  LEFORT_TRY(const std::vector<bool> is_segment, osteotomy.anchor_points_L.empty()
+                                                     ? find_large(inside, osteotomy, options)
+                                                     : find_anchored(inside, osteotomy, options));
+  Sorted sorted;
+  sorted.segment_L = gather(inside, is_segment);
+  sorted.segment_pieces = std::count(is_segment.begin(), is_segment.end(), true);
+  for (std::size_t b = 0; b < inside.size(); ++b)
+    if (!is_segment[b]) sorted.fragments.push_back(std::move(inside[b]));
   return sorted;
 }
 
@@ -133,13 +123,13 @@ struct Sawn {
   double kerf_mm3 = 0.0;
 };
 
-Result<Sawn> remove_kerf(const TriangleMesh& outside, const OsteotomyResult& bones,
+Result<Sawn> remove_kerf(const TriangleMesh& outside, const TriangleMesh& segment_L,
                          const Osteotomy& osteotomy, const Box3& box, Progress& progress) {
   if (osteotomy.kerf_mm == 0.0) return Sawn{outside, 0.0};
   LEFORT_TRY(const TriangleMesh grown, cut_solid(osteotomy, box, osteotomy.kerf_mm));
   LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(outside, grown, progress));
   // The saw cuts next to the segment only, not next to fragments.
-  const std::set<Position> of_segment = positions_of(bones.segment_L);
+  const std::set<Position> of_segment = positions_of(segment_L);
   Sawn sawn{cut.outside, 0.0};
   for (const BoneBody& body : bodies_of(cut.inside)) {
     const bool is_kerf =
@@ -152,21 +142,28 @@ Result<Sawn> remove_kerf(const TriangleMesh& outside, const OsteotomyResult& bon
   return sawn;
 }
 
-Result<OsteotomyResult> finish(Sorted sorted, TriangleMesh remainder, double kerf_mm3,
-                               double skull_mm3, const Osteotomy& osteotomy) {
-  OsteotomyResult bones = std::move(sorted.bones);
-  bones.remainder_L = joined(remainder, sorted.fragments);
-  bones.skull_volume_mm3 = skull_mm3;
-  bones.kerf_volume_mm3 = kerf_mm3;
-  if (bones.remainder_L.triangles.empty())
+/// The volume of the skull before the cut and of the bone that the saw removes.
+struct Volumes {
+  double skull_mm3;
+  double kerf_mm3;
+};
+
+Result<OsteotomyResult> finish(OwnedBone owned, Index segment_pieces, const Volumes& volumes,
+                               const Osteotomy& osteotomy) {
+  if (owned.remainder_L.triangles.empty())
     return misses(osteotomy, "the kerf removes all bone outside the segment");
+  OsteotomyResult bones;
+  bones.segment_L = std::move(owned.segment_L);
+  bones.remainder_L = std::move(owned.remainder_L);
+  bones.fragments = std::move(owned.fragments);
+  bones.segment_pieces = segment_pieces;
+  bones.skull_volume_mm3 = volumes.skull_mm3;
+  bones.kerf_volume_mm3 = volumes.kerf_mm3;
+  bones.left_out_volume_mm3 = owned.left_out_mm3;
+  bones.segment_volume_mm3 = geometry::signed_volume_mm3(bones.segment_L);
   bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
-  if (!geometry::is_closed(bones.remainder_L))
-    return fail(ErrorCode::kMeshingFailed,
-                fmt::format("osteotomy of '{}': {} fragments cannot be joined to the remainder",
-                            osteotomy.segment, bones.fragments));
   LEFORT_TRY_VOID(check_volumes(
-      fmt::format("osteotomy of '{}'", osteotomy.segment), skull_mm3,
+      fmt::format("osteotomy of '{}'", osteotomy.segment), volumes.skull_mm3 - owned.left_out_mm3,
       {{bones.segment_volume_mm3, bones.remainder_volume_mm3, bones.kerf_volume_mm3}}));
   return bones;
 }
@@ -194,8 +191,12 @@ Result<OsteotomyResult> cut_by_region(const TriangleMesh& skull_L, const Osteoto
   const std::vector<BoneBody> bodies = bodies_of(cut.inside);
   LEFORT_TRY(Sorted sorted,
              sort_pieces(bodies, std::vector<bool>(bodies.size(), true), osteotomy, options));
-  LEFORT_TRY(Sawn sawn, remove_kerf(cut.outside, sorted.bones, osteotomy, box, progress));
-  return finish(std::move(sorted), std::move(sawn.remainder), sawn.kerf_mm3, cut.whole_volume_mm3,
+  OwnedBone owned = assign_fragments(
+      {std::move(sorted.segment_L), std::move(sorted.fragments), std::move(cut.outside)},
+      options.min_piece_ml * kMm3PerMl);
+  LEFORT_TRY(Sawn sawn, remove_kerf(owned.remainder_L, owned.segment_L, osteotomy, box, progress));
+  owned.remainder_L = std::move(sawn.remainder);
+  return finish(std::move(owned), sorted.segment_pieces, {cut.whole_volume_mm3, sawn.kerf_mm3},
                 osteotomy);
 }
 
@@ -205,9 +206,15 @@ struct SheetAreas {
   double behind_mm2 = 0.0;
 };
 
+/// Thickness of sheets, and the displacement of SurfaceCut with which they cut.
+struct SheetCut {
+  double thickness_mm;
+  double shift_mm;
+};
+
 std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotomy& osteotomy,
-                                        double thickness_mm) {
-  constexpr double kIn_mm = 1e-3;  // mesh::cut_surface() displaces a cut by up to 1e-4 mm.
+                                        const SheetCut& sheets) {
+  const double in_mm = 1e-3 + sheets.shift_mm, thickness_mm = sheets.thickness_mm;
   std::vector<SheetAreas> areas(osteotomy.planes.size());
   for (Index t = 0; t < body.triangle_count(); ++t) {
     const Vec3 &a = body.corner(t, 0), &b = body.corner(t, 1), &c = body.corner(t, 2);
@@ -218,7 +225,7 @@ std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotom
       const auto lies_at = [&](double height_mm) {
         return std::max({std::abs(normal.dot(a - plane.point_L) - height_mm),
                          std::abs(normal.dot(b - plane.point_L) - height_mm),
-                         std::abs(normal.dot(c - plane.point_L) - height_mm)}) < kIn_mm;
+                         std::abs(normal.dot(c - plane.point_L) - height_mm)}) < in_mm;
       };
       const Vec3 up = normal.cross(plane.bounds->across_L).normalized();
       const Vec3 from = middle - plane.point_L;
@@ -239,11 +246,11 @@ std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotom
 /// of nearly all of its area at sheets.
 enum class Side { kBefore, kBehind, kAway };
 
-Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, double thickness_mm) {
+Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, const SheetCut& sheets) {
   constexpr double kSlit = 0.1;  // Area on the other side over that on the body's side. Heuristic.
   SheetAreas all, largest;
   std::size_t sheet = 0;
-  const std::vector<SheetAreas> areas = areas_at_sheets(body, osteotomy, thickness_mm);
+  const std::vector<SheetAreas> areas = areas_at_sheets(body, osteotomy, sheets);
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const auto& [before_mm2, behind_mm2] = areas[i];
     all.before_mm2 += before_mm2;
@@ -270,20 +277,22 @@ Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteoto
   const std::vector<BoneBody> bodies = bodies_of(cut.outside);
   std::vector<bool> is_before, is_other;
   for (const BoneBody& body : bodies) {
-    LEFORT_TRY(const Side side, side_of(body.surface, osteotomy, thickness_mm));
+    LEFORT_TRY(const Side side,
+               side_of(body.surface, osteotomy, {thickness_mm, cut.plane_shift_mm}));
     is_before.push_back(side == Side::kBefore);
     is_other.push_back(side != Side::kBefore);
   }
   if (std::find(is_before.begin(), is_before.end(), true) == is_before.end())
     return misses(osteotomy, "no bone lies on the segment's side of its planes");
   LEFORT_TRY(Sorted sorted, sort_pieces(bodies, is_before, osteotomy, options));
+  const bool has_kerf = osteotomy.kerf_mm > 0.0;
   TriangleMesh remainder = gather(bodies, is_other);
-  double kerf_mm3 = cut.inside_volume_mm3;
-  if (osteotomy.kerf_mm == 0.0) {
-    remainder = joined(remainder, cut.inside);
-    kerf_mm3 = 0.0;
-  }
-  return finish(std::move(sorted), std::move(remainder), kerf_mm3, cut.whole_volume_mm3, osteotomy);
+  if (!has_kerf) remainder = joined(remainder, cut.inside);
+  OwnedBone owned = assign_fragments(
+      {std::move(sorted.segment_L), std::move(sorted.fragments), std::move(remainder)},
+      options.min_piece_ml * kMm3PerMl);
+  return finish(std::move(owned), sorted.segment_pieces,
+                {cut.whole_volume_mm3, has_kerf ? cut.inside_volume_mm3 : 0.0}, osteotomy);
 }
 
 Result<void> check(const OsteotomyOptions& options) {

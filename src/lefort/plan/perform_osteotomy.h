@@ -5,15 +5,18 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>
+#include <lefort/plan/fragments.h>
 #include <lefort/plan/plan.h>
+
+#include <vector>
 
 namespace lefort::plan {
 
-/// Which pieces within the cut are fragments. Fragments do not belong to the segment: spicules,
-/// islands, and other bones that extend into the cut (the coronoid process into a midface). They
-/// stay with the remainder. Without anchor points, a piece smaller than either bound is a fragment.
-/// With anchor points, a piece on which one of them lies belongs to the segment if it has at least
-/// `min_piece_ml`; all other pieces are fragments.
+/// Which pieces within the cut are fragments: spicules, islands, and other bones that extend into
+/// the cut (the coronoid process into a midface). Without anchor points, a piece smaller than
+/// either bound is a fragment. With anchor points, a piece on which one of them lies belongs to the
+/// segment if it has at least `min_piece_ml`; all other pieces are fragments. assign_fragments()
+/// gives each fragment to a part of the bone.
 struct OsteotomyOptions {
   double min_piece_ml = 0.5;         ///< >= 0.
   double min_piece_fraction = 0.05;  ///< Of the largest piece's volume, 0 to 1.
@@ -26,9 +29,9 @@ struct OsteotomyResult {
   double skull_volume_mm3 = 0.0;
   double segment_volume_mm3 = 0.0;
   double remainder_volume_mm3 = 0.0;
-  Index segment_pieces = 0;          ///< Bodies the segment consists of.
-  Index fragments = 0;               ///< Pieces within the cut that stay with the remainder.
-  double fragment_volume_mm3 = 0.0;  ///< Of all fragments; part of remainder_volume_mm3.
+  Index segment_pieces = 0;  ///< Bodies the segment consists of.
+  std::vector<Fragment> fragments;
+  double left_out_volume_mm3 = 0.0;  ///< Of fragments without an owner; in neither part.
   double kerf_volume_mm3 = 0.0;      ///< Bone removed by the saw; in neither part.
 };
 
@@ -52,8 +55,8 @@ struct OsteotomyResult {
 ///   - kMeshingFailed    the surface crosses itself along the cut, the cutting solids cannot be
 ///     combined, or volumes do not add up;
 ///   - kCancelled        `progress` requested a stop.
-/// \note segment + remainder + kerf equal the volume of the skull within 0.1 % of the skull and
-///   within 1 % of the smallest of these three that is not empty.
+/// \note segment + remainder + kerf + left out equal the volume of the skull within 0.1 % of the
+///   skull and within 1 % of the smallest of the first three that is not empty.
 [[nodiscard]] Result<OsteotomyResult> perform_osteotomy(const geometry::TriangleMesh& skull_L,
                                                         const Osteotomy& osteotomy,
                                                         const OsteotomyOptions& options = {},

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace lefort::report {
 namespace {
@@ -18,6 +19,23 @@ constexpr PictureSize kPlanPictureSize{.width = 900, .height = 900, .supersampli
 constexpr std::array<StandardView, 4> kPlanViews{
     StandardView::kFront, StandardView::kRightThreeQuarter, StandardView::kRightProfile,
     StandardView::kLeftProfile};
+
+/// Fragments smaller than every segment, slightly widened: they lie on the surface of their owners.
+/// A larger one is a bone of its own, as the mandible behind a cut of the maxilla.
+std::vector<geometry::TriangleMesh> fragments_of(const plan::CutSegments& cut) {
+  constexpr double kWider = 1.02;
+  double min_segment_mm3 = std::numeric_limits<double>::infinity();
+  for (const double volume_mm3 : cut.volumes_mm3)
+    min_segment_mm3 = std::min(min_segment_mm3, volume_mm3);
+  std::vector<geometry::TriangleMesh> fragments_L;
+  for (const plan::OsteotomyResult& bones : cut.cuts)
+    for (const plan::Fragment& one : bones.fragments) {
+      if (one.volume_mm3 >= min_segment_mm3) continue;
+      fragments_L.push_back(one.surface_L);
+      for (Vec3& v : fragments_L.back().vertices) v = one.center_L + kWider * (v - one.center_L);
+    }
+  return fragments_L;
+}
 
 }  // namespace
 
@@ -32,12 +50,16 @@ Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
     focus_L.extend(geometry::bounding_box(cut.segments_L[k]));
     focus_L.extend(geometry::bounding_box(ends_L[k]));
   }
+  const std::vector<geometry::TriangleMesh> fragments_L = fragments_of(cut);
   std::vector<PlanPicture> pictures;
   for (const bool is_after : {false, true}) {
     std::vector<SurfaceLayer> layers{{.mesh_L = &cut.remainder_L, .color = kBoneColor}};
     for (std::size_t k = 0; k < planned.size(); ++k)
       layers.push_back({.mesh_L = is_after ? &ends_L[k] : &cut.segments_L[k],
                         .color = kSegmentColors[k % kSegmentColors.size()]});
+    if (!is_after)
+      for (const geometry::TriangleMesh& fragment_L : fragments_L)
+        layers.push_back({.mesh_L = &fragment_L, .color = kFragmentColor});
     LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
     for (const StandardView side : kPlanViews) {
       const View view =

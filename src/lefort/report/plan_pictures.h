@@ -6,6 +6,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/plan/cut_segments.h>
+#include <lefort/report/picture.h>
 
 #include <span>
 #include <string>
@@ -18,8 +19,11 @@ struct PlanPicture {
   std::string png;   ///< The file's bytes.
 };
 
+/// Color of fragments on the bone before the motion.
+inline constexpr Rgb kFragmentColor{0.80, 0.10, 0.55};
+
 /// Draws the front, the right three-quarter and both profile views, before the motion and at its
-/// end.
+/// end. Before the motion, fragments smaller than the segments are colored.
 ///
 /// \param cut       the parts of the skull.
 /// \param planned   the segments with their paths.

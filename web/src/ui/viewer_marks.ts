@@ -23,17 +23,19 @@ import {
   type Vec3,
 } from '../model';
 import type { Marker, PlaneMark, Polyline, SliceLines, SliceMarker } from '../scene';
+import { checkedFragments } from './fragments';
 import type { Doc, State } from './state';
 
 // Marks of the plan in the 3D view and on the slices, as functions of document and state.
 
 const SELECTED_COLOR = '#f2b84b';
 const LANDMARK_COLOR = '#3fb2c8';
+const FRAGMENT_COLOR = '#d6409f';
 
 /** Side of a plane that has no size of its own [mm]. */
 const PLANE_SIZE_MM = 110;
 
-/** Landmarks, or the corners of the curve that is being drawn. */
+/** Landmarks, the corners of the curve that is being drawn, or fragments of the checked cuts. */
 export function markersOf(doc: Doc, s: State): Marker[] {
   if (s.curveDraft)
     return s.curveDraft.points.map((position, n) => ({
@@ -41,6 +43,13 @@ export function markersOf(doc: Doc, s: State): Marker[] {
       position,
       color: SELECTED_COLOR,
       draggable: true,
+    }));
+  if (s.step === 'movement')
+    return checkedFragments(s).map(({ segment, center_mm }, n) => ({
+      id: `fragment ${n}`,
+      position: center_mm,
+      label: `fragment of ${segment}`,
+      color: FRAGMENT_COLOR,
     }));
   const isEditable = s.step === 'landmarks';
   if (!isEditable && s.step !== 'osteotomy') return [];

@@ -11,4 +11,14 @@ nlohmann::json as_json(const RigidTransform& pose) {
   return numbers;
 }
 
+nlohmann::json as_json(const std::vector<plan::Fragment>& fragments) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const plan::Fragment& one : fragments)
+    list.push_back({{"volume_ml", one.volume_mm3 * 1e-3},
+                    {"center_mm", as_json(one.center_L)},
+                    {"owner", plan::name_of(one.owner)},
+                    {"is_within_cut", one.is_within_cut}});
+  return list;
+}
+
 }  // namespace lefort::pipeline

@@ -233,8 +233,7 @@ Json segments_summary(const PreparedCase& prepared) {
     const plan::OsteotomyOptions& options = prepared.plan.segments[k].cut;
     segment["volume_ml"] = cut.volumes_mm3[k] * 1e-3;
     segment["pieces"] = cut.cuts[k].segment_pieces;
-    segment["fragments_left"] = cut.cuts[k].fragments;
-    segment["fragments_left_ml"] = cut.cuts[k].fragment_volume_mm3 * 1e-3;
+    segment["fragments"] = as_json(cut.cuts[k].fragments);
     segment["triangles"] = cut.segments_L[k].triangle_count();
     segment["min_piece_ml"] = options.min_piece_ml;
     segment["min_piece_fraction"] = options.min_piece_fraction;

@@ -175,7 +175,7 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
     segments.push_back({{"name", support.segment},
                         {"volume_ml", cut.volumes_mm3[k] * 1e-3},
                         {"pieces", cut.cuts[k].segment_pieces},
-                        {"fragments_left", cut.cuts[k].fragments},
+                        {"fragments", as_json(cut.cuts[k].fragments)},
                         {"kerf_ml", cut.cuts[k].kerf_volume_mm3 * 1e-3},
                         {"pose", as_json(X_LB)},
                         {"cut_area_mm2", support.cut_area_mm2},
@@ -199,7 +199,8 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
           {"segments", segments},
           {"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
           {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
-          {"kerf_volume_ml", cut.kerf_volume_mm3 * 1e-3}};
+          {"kerf_volume_ml", cut.kerf_volume_mm3 * 1e-3},
+          {"left_out_volume_ml", cut.left_out_volume_mm3 * 1e-3}};
 }
 
 std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& cut) {
@@ -246,7 +247,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const plan::CutSegments cut,
              plan::cut_segments(before.skull_L, before.mandible_L ? &*before.mandible_L : nullptr,
                                 plan.segments, progress));
-  for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
+  note_fragments(cut, plan.segments, progress);
   progress.begin_stage("check bone overlap");
   LEFORT_TRY(predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));

@@ -183,11 +183,14 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
   const bool is_contact = plan.boundary.interface != predict::TissueInterface::kBonded;
   double segments_mm3 = 0.0, fragments_mm3 = 0.0, cell_mm = 0.0;
   double band_mm = std::numeric_limits<double>::infinity();
-  Index fragments = 0;
+  Index fragments = 0, moving = 0;
   for (std::size_t k = 0; k < plan.segments.size(); ++k) {
     segments_mm3 += prepared.cut.volumes_mm3[k];
-    fragments_mm3 += prepared.cut.cuts[k].fragment_volume_mm3;
-    fragments += prepared.cut.cuts[k].fragments;
+    for (const plan::Fragment& one : prepared.cut.cuts[k].fragments) {
+      fragments_mm3 += one.volume_mm3;
+      ++fragments;
+      moving += one.owner == plan::FragmentOwner::kSegment;
+    }
     cell_mm = std::max(cell_mm, predict::contact_field_B(prepared.model.segments[k])->cell_mm());
     band_mm = std::min(band_mm, predict::contact_field_B(prepared.model.segments[k])->band_mm());
   }
@@ -222,8 +225,9 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
            {"distance field of the segment",
             fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
            {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
-           {"fragments within the cut, part of the stationary bone",
-            fmt::format("{:.2f} ml in {} pieces", fragments_mm3 * 1e-3, fragments)}}};
+           {"fragments of the osteotomies",
+            fmt::format("{:.2f} ml in {} pieces; {} of them move with a segment",
+                        fragments_mm3 * 1e-3, fragments, moving)}}};
 }
 
 report::ReportTable timing_table(const Timing& timing) {

@@ -55,7 +55,7 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,
              plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
-  for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
+  note_fragments(cut, plan.segments, progress);
 
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());

@@ -7,11 +7,11 @@
 #include <lefort/io/sha256.h>
 #include <lefort/pipeline/cache/stage_keys.h>
 #include <lefort/pipeline/prepare/load_head.h>
-#include <lefort/plan/cut_segments.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace lefort::pipeline {
 namespace {
@@ -78,12 +78,26 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
                      head.levels,          std::move(skull_L),        std::move(mandible_L)};
 }
 
-void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {
-  if (bones.fragments == 0) return;
-  progress.note(fmt::format(
-      "{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
-      "smaller than osteotomy.min_piece_ml or min_piece_fraction, or without an anchor point",
-      bones.fragments, bones.fragment_volume_mm3 * 1e-3));
+void note_fragments(const plan::CutSegments& cut, std::span<const plan::PlannedSegment> planned,
+                    Progress& progress) {
+  for (std::size_t k = 0; k < cut.cuts.size(); ++k) {
+    const std::vector<plan::Fragment>& fragments = cut.cuts[k].fragments;
+    if (fragments.empty()) continue;
+    double all_mm3 = 0.0;
+    std::array<int, 3> count_of{};
+    const plan::Fragment* largest = &fragments.front();
+    for (const plan::Fragment& one : fragments) {
+      all_mm3 += one.volume_mm3;
+      ++count_of[std::size_t(one.owner)];
+      if (one.volume_mm3 > largest->volume_mm3) largest = &one;
+    }
+    progress.note(fmt::format(
+        "osteotomy of '{}': {} fragments, {:.2f} ml: {} stay with the other bone, {} move with the "
+        "segment, {} are left out; the largest has {:.2f} ml, at ({:.0f}, {:.0f}, {:.0f}) mm",
+        planned[k].osteotomy.segment, fragments.size(), all_mm3 * 1e-3, count_of[0], count_of[1],
+        count_of[2], largest->volume_mm3 * 1e-3, largest->center_L.x(), largest->center_L.y(),
+        largest->center_L.z()));
+  }
 }
 
 void note_mixed_labels(const anatomy::LabelMap& labels, const std::string& segment,

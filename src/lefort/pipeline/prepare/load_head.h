@@ -10,9 +10,11 @@
 #include <lefort/io/imported_volume.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/pipeline/cache/stage_cache.h>
+#include <lefort/plan/cut_segments.h>
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace lefort::pipeline {
@@ -64,8 +66,9 @@ struct ScannedHead {
                                             const std::filesystem::path& ct,
                                             const StageCache& cache, Progress& progress);
 
-/// Reports fragments: bone within the cut that stays in place.
-void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
+/// Reports the fragments of each osteotomy with the parts of the bone they belong to.
+void note_fragments(const plan::CutSegments& cut, std::span<const plan::PlannedSegment> planned,
+                    Progress& progress);
 
 /// Warns if a segment contains much bone labeled as skull and much labeled as mandible: the labels
 /// at the joints or between the teeth, or the cut, are then probably wrong.

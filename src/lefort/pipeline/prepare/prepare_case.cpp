@@ -88,7 +88,7 @@ Result<BonesAndFields> cut_bone(const io::PlanFile& plan, const ScannedHead& hea
   LEFORT_TRY(bones.cut, plan::cut_segments(head.skull_L, head.mandible(), plan.segments, progress));
   for (const geometry::TriangleMesh& segment_L : bones.cut.segments_L)
     plan::append(bones.segments_L, segment_L);
-  for (const plan::OsteotomyResult& result : bones.cut.cuts) note_fragments(result, progress);
+  note_fragments(bones.cut, plan.segments, progress);
   for (std::size_t k = 0; k < plan.segments.size(); ++k)
     note_mixed_labels(head.labels, plan.segments[k].osteotomy.segment, bones.cut.segments_L[k],
                       progress);

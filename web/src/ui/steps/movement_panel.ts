@@ -16,6 +16,7 @@ import {
 } from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
+import { checkedFragments, describeFragment } from '../fragments';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 import { button, chip, empty, notice, section, segmented, select, toggle, type Html } from '../widgets';
 import type { Viewer } from '../viewer';
@@ -190,6 +191,18 @@ function findingsOf(result: unknown): string[] {
   });
 }
 
+/** Loose pieces of bone, and the part to which each belongs; nothing if there are none. */
+function fragmentList(s: State): Html | typeof nothing {
+  const fragments = checkedFragments(s);
+  if (fragments.length === 0) return nothing;
+  return html`<details id="fragments">
+    <summary>${fragments.length === 1 ? '1 fragment' : `${fragments.length} fragments`} of bone</summary>
+    <ul>
+      ${fragments.map((one) => html`<li>${describeFragment(one)}</li>`)}
+    </ul>
+  </details>`;
+}
+
 function checkSection(app: App, s: State): Html {
   const stage = stageOf(s, 'check');
   const isBusy = isBusyWith(s, 'check');
@@ -210,6 +223,7 @@ function checkSection(app: App, s: State): Html {
         ? notice('error', title, findings.length ? list : job.message)
         : notice('good', 'The check has no findings')
       : nothing,
+    fragmentList(s),
     job?.state === 'failed' ? notice('error', 'The check failed', job.message) : nothing,
     button(isBusy ? 'Checking …' : 'Check the plan', () => void app.run({ kind: 'check' }), {
       disabled: isBusy,
