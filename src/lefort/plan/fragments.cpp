@@ -75,7 +75,7 @@ std::vector<Fragment> fragments_within(const CutSides& sides, double min_piece_m
   const geometry::Bvh segment(sides.segment_L), rest(sides.outside_L);
   for (const std::size_t n : small) {
     Fragment& one = fragments[n];
-    if (one.volume_mm3 < kSmallestFragment_mm3)
+    if (one.volume_mm3 < kMinFragment_mm3)
       one.owner = FragmentOwner::kNone;
     else if (distance_mm(segment, one.surface_L) < distance_mm(rest, one.surface_L))
       one.owner = FragmentOwner::kSegment;

@@ -29,7 +29,7 @@ struct Fragment {
 };
 
 /// Smaller pieces that touch no other bone are left out: a voxel of a clinical scan has 0.2 to 1.
-inline constexpr double kSmallestFragment_mm3 = 1.0;
+inline constexpr double kMinFragment_mm3 = 1.0;
 
 /// The two sides of a cut.
 struct CutSides {
@@ -53,7 +53,7 @@ struct OwnedBone {
 ///   2. A piece within the cut that touches nothing is a bone of its own if it has `min_piece_mm3`
 ///      or more, and belongs to the remainder.
 ///   3. Smaller ones belong to the nearer of segment and remainder, or are left out below
-///      kSmallestFragment_mm3.
+///      kMinFragment_mm3.
 /// A fragment is stitched to its owner along the cut face they share. If the result would not be
 /// closed, it stays a piece of its own that touches the owner.
 ///
