@@ -36,6 +36,7 @@ std::vector<bool> find_fragments(const std::vector<BoneBody>& bodies,
   const double min_mm3 =
       std::max(options.min_piece_ml * kMm3PerMl, options.min_piece_fraction * max_mm3);
   std::vector<bool> is_fragment;
+  is_fragment.reserve(bodies.size());
   for (const BoneBody& body : bodies) is_fragment.push_back(body.outer_volume_mm3 < min_mm3);
   return is_fragment;
 }

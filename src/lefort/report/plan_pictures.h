@@ -6,7 +6,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/plan/cut_segments.h>
-#include <lefort/report/picture.h>
+#include <lefort/report/color_map.h>
 
 #include <span>
 #include <string>

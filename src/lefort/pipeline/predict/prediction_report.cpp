@@ -332,10 +332,10 @@ std::string interface_limits(predict::TissueInterface interface) {
 std::vector<std::string> limitations_of(const PreparedCase& prepared) {
   return {
       material_limits(prepared.plan.tissue),
-      "Linear tetrahedra are too stiff for nearly incompressible tissue. For this reason, "
-      "Poisson\u2019s ratio is lower than measured values.",
-      "Tissue outside the tissue mesh does not move, and tissue beyond the scan boundary is not "
-      "modeled: near the scan boundary the prediction is not reliable.",
+      ("Linear tetrahedra are too stiff for nearly incompressible tissue. For this reason, "
+       "Poisson\u2019s ratio is lower than measured values."),
+      ("Tissue outside the tissue mesh does not move, and tissue beyond the scan boundary is not "
+       "modeled: near the scan boundary the prediction is not reliable."),
       "Air-filled sinuses are modeled as bone.",
       interface_limits(prepared.plan.boundary.interface),
       "Not validated against postoperative scans."};
