@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <limits>
 #include <set>
 
 namespace lefort::plan {
 namespace {
 
-using geometry::Triangle;
 using geometry::TriangleMesh;
 using Position = std::array<double, 3>;
 using Positions = std::set<Position>;
