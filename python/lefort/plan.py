@@ -383,6 +383,7 @@ class Boundary(Part):
     foundation_mm: float = 20
     elevation_margin_mm: float | None = None
     joint_margin_mm: float = 8
+    vestibule_mm: float = 10
     interface_layer_mm: float = 1
     contact_snap_mm: float = 0.8
     labels: str | None = None

@@ -130,6 +130,34 @@ TEST(InterfaceMap, TissueBetweenBonesThatNoOsteotomySeparatesSlides) {
   }
 }
 
+/// Where an element joins nodes that are bonded to two bones, its nodes slide.
+TEST(InterfaceMap, NoElementIsBondedToTwoBones) {
+  BoundaryOptions options;
+  options.joint_margin_mm = 0.0;
+  options.elevation_margin_mm = 0.0;
+  const TissueBoundary found = boundary_of(options);
+  std::vector<std::int32_t> bone_of(found.tissue.nodes_L.size(), kNoBone);
+  int sliding = 0;
+  for (const NodeInterface& one : found.interface.nodes) {
+    if (one.condition == Condition::kBonded) bone_of[std::size_t(one.node)] = one.bone;
+    if (one.condition != Condition::kSliding) continue;
+    EXPECT_LT(std::abs(at(one).x() - kCut_mm), 5.0);  // Elements have edges of 2 mm.
+    EXPECT_EQ(one.rule, Rule::kJoint);
+    ++sliding;
+  }
+  EXPECT_GT(sliding, 20);
+  for (const mesh::ElementBlock& block : found.tissue.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      bool on_segment = false, on_stationary = false;
+      for (int n = 0; n < mesh::node_count(block.shape); ++n) {
+        const std::int32_t bone = bone_of[std::size_t(block.element(e)[n])];
+        on_segment |= bone == 0;
+        on_stationary |= bone == kStationaryBone;
+      }
+      EXPECT_FALSE(on_segment && on_stationary);
+    }
+}
+
 /// An osteotomy elsewhere does not separate the bones here.
 TEST(InterfaceMap, AJointFarFromTheCutStaysAJoint) {
   geometry::TriangleMesh far_cut = cut_face();

@@ -78,7 +78,7 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
       faces_(std::move(faces)),
       surface_(nodes_L, faces_),
       rest_gaps_mm_(surface_.point_count(), 0.0),
-      is_zone_known_(surface_.point_count(), 0),
+      has_rest_gap_(surface_.point_count(), 0),
       clearance_(surface_.patches().size()) {
   const auto& [penalty_mpa_per_mm, hardening_mpa_per_mm2, linear_beyond_mm] = options_.law;
   LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
@@ -99,7 +99,8 @@ void ContactTerm::find_rest_gaps(std::span<const Vec3> nodes_L,
   parallel_for(Index(faces_.size()), [&](Index patch) {
     for_each_point(std::size_t(patch), nodes_L, [&](const PointGap& at) {
       rest_gaps_mm_[at.number] = rest_gaps(at.p_L, at.gap, other_obstacles).obstacle_mm;
-      is_zone_known_[at.number] = at.gap.zone != field::Zone::kUnknown;
+      has_rest_gap_[at.number] =
+          at.gap.zone == field::Zone::kBand || at.gap.zone == field::Zone::kOutside;
       double& deepest_mm = penetrations_mm[std::size_t(patch)];
       deepest_mm = std::max(deepest_mm, -gap_to_bone(obstacle_, at.p_L, at.gap).gap_mm);
     });
@@ -219,8 +220,8 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
     const std::size_t number = patch.first_point + q;
     const field::Zone zone = at.samples[q].zone;
-    if (zone == field::Zone::kInside) return false;
-    if (zone == field::Zone::kUnknown && is_zone_known_[number]) return false;
+    const bool is_out_of_range = zone == field::Zone::kInside || zone == field::Zone::kUnknown;
+    if (is_out_of_range && has_rest_gap_[number] != 0) return false;
     const double depth_mm = rest_gaps_mm_[number] - at.samples[q].distance_mm;
     if (zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 

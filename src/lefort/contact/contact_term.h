@@ -147,7 +147,8 @@ class ContactTerm final : public fem::ForceTerm {
   std::vector<mesh::Face> faces_;
   ContactSurface surface_;                   ///< One patch per face.
   std::vector<double> rest_gaps_mm_;         ///< g_0 of each point.
-  std::vector<std::uint8_t> is_zone_known_;  ///< Of each point, in the reference configuration.
+  /// Of each point, in the reference configuration: the distance is known, or the point is outside.
+  std::vector<std::uint8_t> has_rest_gap_;
   std::vector<std::vector<RestGaps>> dense_rest_gaps_;  ///< Of the samples of each face.
   double rest_penetration_mm_ = 0.0;
   ContactClearance clearance_;

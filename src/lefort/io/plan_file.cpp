@@ -114,6 +114,7 @@ void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
   if (boundary.contains("elevation_margin_mm"))
     options.elevation_margin_mm = boundary["elevation_margin_mm"].get<double>();
   read(boundary, "joint_margin_mm", options.joint_margin_mm);
+  read(boundary, "vestibule_mm", options.vestibule_mm);
   read(boundary, "interface_layer_mm", options.interface_layer_mm);
   read(boundary, "foundation_mm", options.foundation_mm);
   read(boundary, "contact_snap_mm", options.contact_snap_mm);

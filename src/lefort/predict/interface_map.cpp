@@ -3,6 +3,7 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/predict/distance_to_label.h>
 #include <lefort/predict/interface_map.h>
+#include <lefort/predict/oral_vestibule.h>
 #include <lefort/predict/separate_lips.h>
 #include <lefort/predict/skin_faces.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace lefort::predict {
@@ -24,6 +26,9 @@ constexpr double kCrosses_mm = 2.0;
 
 /// A point of bone this close to a cut face lies at it: the width of a saw cut.
 constexpr double kAtCut_mm = 2.0;
+
+/// A voxel of bone is this close to a node on bone.
+constexpr double kNearBone_mm = 4.0;
 
 /// Distance to a surface, infinite if it is empty or further than `within_mm`.
 double distance_mm(const geometry::Bvh* surface, const Vec3& p_L, double within_mm = kFar_mm) {
@@ -78,6 +83,8 @@ class InterfaceRules {
       segments_.push_back(tree_of(segment_L));
     remainder_ = tree_of(bones.remainder_L);
     for (const plan::ElevationZone& zone : zones_) cuts_.push_back(tree_of(zone.cut_faces_L));
+    if (is_clinical() && options_.vestibule_mm > 0.0)
+      vestibule_ = find_oral_vestibule(labels_, options_.vestibule_mm);
   }
 
   /// Condition by rule of a node at `p_L`.
@@ -204,6 +211,19 @@ class InterfaceRules {
     return false;
   }
 
+  /// Whether a point of bone lies on teeth or gingiva.
+  [[nodiscard]] bool is_in_vestibule(const Vec3& p_L) const {
+    if (!vestibule_) return false;
+    const bool in_upper = vestibule_->contains(p_L, false);
+    const bool in_lower = vestibule_->contains(p_L, true);
+    if (in_upper == in_lower) return in_upper;
+    const double upper_mm = distance_to_label(labels_, anatomy::Tissue::kBone, p_L, kNearBone_mm);
+    const double lower_mm =
+        distance_to_label(labels_, anatomy::Tissue::kMandible, p_L, kNearBone_mm);
+    if (upper_mm == kFar_mm && lower_mm == kFar_mm) return false;
+    return lower_mm < upper_mm ? in_lower : in_upper;
+  }
+
   [[nodiscard]] NodeInterface on_segment(const Vec3& p_L, std::int32_t segment) const {
     if (is_clinical()) return on_bone(p_L, segment, InterfaceRule::kSegment);
     const bool is_bonded = options_.interface == TissueInterface::kBonded;
@@ -226,6 +246,10 @@ class InterfaceRules {
     if (is_elevated(p_L, bone)) {
       node.condition = InterfaceCondition::kElevated;
       node.rule = InterfaceRule::kOsteotomy;
+    } else if (is_in_vestibule(p_L)) {
+      node.condition = InterfaceCondition::kSliding;
+      node.rule = InterfaceRule::kVestibule;
+      node.may_separate = is_near_air(p_L);  // Elsewhere the tone of the lips holds them on teeth.
     } else if (is_in_joint(p_L, bone)) {
       node.condition = InterfaceCondition::kSliding;
       node.rule = InterfaceRule::kJoint;
@@ -253,6 +277,7 @@ class InterfaceRules {
   std::span<const plan::ElevationZone> zones_;
   std::vector<std::unique_ptr<const geometry::Bvh>> segments_, cuts_;
   std::unique_ptr<const geometry::Bvh> remainder_;
+  std::optional<OralVestibule> vestibule_;
 };
 
 }  // namespace
@@ -315,6 +340,37 @@ void join_middle_nodes(std::vector<NodeInterface>& nodes, const mesh::VolumeMesh
   }
 }
 
+/// Lets tissue slide where an element joins nodes that are bonded to two bones. Tissue cannot be
+/// bonded to two bones that move relative to each other, and the motion of the bones alone would
+/// invert such an element.
+void release_nodes_between_bones(std::vector<NodeInterface>& nodes,
+                                 const mesh::VolumeMesh& tissue) {
+  std::vector<std::int32_t> bone_of(tissue.nodes_L.size(), kNoBone);
+  for (const NodeInterface& one : nodes)
+    if (one.condition == InterfaceCondition::kBonded) bone_of[std::size_t(one.node)] = one.bone;
+  std::vector<char> is_between(tissue.nodes_L.size(), 0);
+  for (const mesh::ElementBlock& block : tissue.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      const std::span of(block.element(e), std::size_t(mesh::node_count(block.shape)));
+      std::int32_t first = kNoBone;
+      bool has_two = false;
+      for (const std::int32_t node : of) {
+        const std::int32_t bone = bone_of[std::size_t(node)];
+        if (bone == kNoBone) continue;
+        if (first == kNoBone) first = bone;
+        has_two |= bone != first;
+      }
+      if (!has_two) continue;
+      for (const std::int32_t node : of)
+        if (bone_of[std::size_t(node)] != kNoBone) is_between[std::size_t(node)] = 1;
+    }
+  for (NodeInterface& one : nodes)
+    if (is_between[std::size_t(one.node)] != 0 && one.rule != InterfaceRule::kPainted) {
+      one.condition = InterfaceCondition::kSliding;
+      one.rule = InterfaceRule::kJoint;
+    }
+}
+
 }  // namespace
 
 InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDomain& domain,
@@ -339,6 +395,8 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
     if (decided.condition == InterfaceCondition::kSliding) decided.may_separate = true;
   });
   join_middle_nodes(map.nodes, tissue);
+  if (options.interface == TissueInterface::kClinical)
+    release_nodes_between_bones(map.nodes, tissue);
   std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)
     if (is_in_plane(one))

@@ -44,6 +44,8 @@ enum class InterfaceRule : std::uint8_t {
   kSkin,          ///< Outer surface.
   kAir,           ///< Inner surface that lies on no bone: airway, sinus, oral cavity.
   kLips,          ///< Where the lips touch each other at rest (separate_lips.h).
+  kVestibule,     ///< Teeth and gingiva, facing lips, cheeks and tongue (oral_vestibule.h).
+  kOverlap,       ///< Bone that lies in another bone along the path (release_overlap.h).
 };
 
 /// Name and letter of a condition in results.
@@ -69,7 +71,7 @@ struct InterfaceRuleStyle {
   const char* name;
   char letter;
 };
-inline constexpr std::array<InterfaceRuleStyle, 11> kInterfaceRules{{
+inline constexpr std::array<InterfaceRuleStyle, 13> kInterfaceRules{{
     {InterfaceRule::kPainted, "painted", 'p'},
     {InterfaceRule::kOsteotomy, "osteotomy", 'o'},
     {InterfaceRule::kJoint, "joint", 'j'},
@@ -81,6 +83,8 @@ inline constexpr std::array<InterfaceRuleStyle, 11> kInterfaceRules{{
     {InterfaceRule::kSkin, "skin", 'k'},
     {InterfaceRule::kAir, "air", 'a'},
     {InterfaceRule::kLips, "lips", 'l'},
+    {InterfaceRule::kVestibule, "vestibule", 'v'},
+    {InterfaceRule::kOverlap, "overlap", 'x'},
 }};
 
 [[nodiscard]] const InterfaceConditionStyle& style_of(InterfaceCondition condition);

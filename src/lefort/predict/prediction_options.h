@@ -123,6 +123,9 @@ struct BoundaryOptions {
   /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
   /// osteotomy separates from it, slides: occluding teeth, jaw joint; >= 0.
   double joint_margin_mm = 8.0;
+  /// kClinical: depth of the oral vestibule, from the gingival margin to the fold (oral_vestibule.h);
+  /// tissue on teeth and gingiva slides. 0: the joint margin alone decides.
+  double vestibule_mm = 10.0;
   /// Thickness of the elastic layer between bone and tissue that slides on it, > 0
   /// (interface_supports.h).
   double interface_layer_mm = 1.0;

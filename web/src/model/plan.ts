@@ -97,6 +97,7 @@ export interface Boundary {
   /** Without: the distances of the procedure. */
   elevation_margin_mm?: number;
   joint_margin_mm?: number;
+  vestibule_mm?: number;
   interface_layer_mm?: number;
   lips?: 'separate' | 'joined';
   contact_snap_mm?: number;

@@ -300,13 +300,14 @@ std::string restart_key(const PreparedCase& prepared) {
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
   const auto& [interface, scan_boundary, cut_boundary, foundation_mm, elevation_margin_mm,
-               joint_margin_mm, interface_layer_mm, contact_snap_mm, lips] = plan.boundary;
+               joint_margin_mm, vestibule_mm, interface_layer_mm, contact_snap_mm, lips] = plan.boundary;
   hash.add(double(interface))
       .add(double(scan_boundary))
       .add(double(cut_boundary))
       .add(foundation_mm)
       .add(elevation_margin_mm.value_or(-1.0))
       .add(joint_margin_mm)
+      .add(vestibule_mm)
       .add(interface_layer_mm)
       .add(contact_snap_mm);
   hash.add(double(lips)).add(double(prepared.model.lips.pairs.size()));

@@ -15,6 +15,7 @@
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/elevation_zone.h>
+#include <lefort/predict/release_overlap.h>
 #include <lefort/predict/contact_field.h>
 #include <lefort/predict/interface_supports.h>
 #include <lefort/predict/mesh_tissue.h>
@@ -207,6 +208,20 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
   return predict::ContactBone{remainder_L, std::move(field)};
 }
 
+/// Releases tissue where bones overlap along the path, and reports it.
+Result<void> release_overlapping_bone(predict::FaceModel& model, const io::PlanFile& plan,
+                                      Progress& progress) {
+  LEFORT_TRY(const Index released,
+             predict::release_overlap(model, plan::paths_of(plan.segments),
+                                      plan.boundary.contact_snap_mm));
+  if (released > 0)
+    progress.note(
+        fmt::format("warning: bones overlap along the path: {} nodes of the tissue there are free, as "
+                    "if this bone had been removed",
+                    released));
+  return {};
+}
+
 /// Reports the conditions of the boundary, paint without effect, and a scan that ends too close.
 void note_boundary(const predict::TissueBoundary& boundary, const io::PlanFile& plan,
                    bool is_painted, Progress& progress) {
@@ -306,6 +321,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
+  LEFORT_TRY_VOID(release_overlapping_bone(model, plan, progress));
   LEFORT_TRY_VOID(find_obstacles(model, plan, plan.tissue, plan.boundary.interface,
                                  ObstacleMotion::kPlanned, cache, progress));
   Provenance provenance = provenance_of(plan, plan_sha256, head);
@@ -344,6 +360,9 @@ Result<predict::FaceModel> remodel(const PreparedCase& prepared,
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
+  if (motion == ObstacleMotion::kPlanned) {
+    LEFORT_TRY_VOID(release_overlapping_bone(model, prepared.plan, progress));
+  }
   LEFORT_TRY_VOID(
       find_obstacles(model, prepared.plan, obstacles, boundary.interface, motion, cache, progress));
   return model;

@@ -20,6 +20,8 @@ const RULE_TITLES: Record<string, string> = {
   skin: 'Skin',
   air: 'Airway, sinus, oral cavity',
   lips: 'Between the lips',
+  vestibule: 'Teeth and gingiva',
+  overlap: 'Bone that enters other bone',
 };
 
 const CONDITION_TITLES: Record<string, string> = {
@@ -34,7 +36,7 @@ const CONDITION_TITLES: Record<string, string> = {
 };
 
 /** Rules whose nodes may lie on any bone; the others say which. */
-const NAMES_BONE = new Set(['painted', 'osteotomy', 'joint', 'segment']);
+const NAMES_BONE = new Set(['painted', 'osteotomy', 'joint', 'segment', 'vestibule']);
 
 /** The interface map of the newest tissue mesh: a condition for each node of its boundary, and the rule that set it. */
 export function interfaceMapSection(app: App, s: State): Html {
