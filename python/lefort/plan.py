@@ -380,6 +380,7 @@ class Boundary(Part):
     scan_boundary: OuterBoundary = "roller"
     cut_boundary: OuterBoundary = "roller"
     lips: Literal["separate", "joined"] = "separate"
+    lip_tone_kpa: float = 0.6
     foundation_mm: float = 20
     elevation_margin_mm: float | None = None
     joint_margin_mm: float = 8

@@ -38,7 +38,7 @@ Json good_plan() {
                "element_size_mm": 3},
     "boundary": {"interface": "bonded", "scan_boundary": "fixed", "cut_boundary": "foundation",
                  "foundation_mm": 30, "elevation_margin_mm": 5, "joint_margin_mm": 6,
-                 "interface_layer_mm": 0.5, "contact_snap_mm": 0.7, "lips": "joined",
+                 "vestibule_mm": 8, "lip_tone_kpa": 2, "interface_layer_mm": 0.5, "contact_snap_mm": 0.7, "lips": "joined",
                  "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "obstacle": "bone", "detection": "bvh",
                 "integration": "weighted", "penetration_tolerance_mm": null},
@@ -74,6 +74,8 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.boundary.foundation_mm, 30.0);
   EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
   EXPECT_EQ(plan.boundary.joint_margin_mm, 6.0);
+  EXPECT_EQ(plan.boundary.vestibule_mm, 8.0);
+  EXPECT_EQ(plan.boundary.lip_tone_mpa, 0.002);
   EXPECT_EQ(plan.boundary.interface_layer_mm, 0.5);
   EXPECT_EQ(plan.boundary.contact_snap_mm, 0.7);
   EXPECT_EQ(plan.boundary.lips, predict::Lips::kJoined);

@@ -148,6 +148,8 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {"/boundary/cut_boundary", std::string(name_of(plan.boundary.cut_boundary))},
        {"/boundary/foundation_mm", plan.boundary.foundation_mm},
        {"/boundary/joint_margin_mm", plan.boundary.joint_margin_mm},
+       {"/boundary/vestibule_mm", plan.boundary.vestibule_mm},
+       {"/boundary/lip_tone_kpa", 1000.0 * plan.boundary.lip_tone_mpa},
        {"/boundary/lips", std::string(name_of(plan.boundary.lips))},
        {"/boundary/interface_layer_mm", plan.boundary.interface_layer_mm},
        {"/boundary/contact_snap_mm", plan.boundary.contact_snap_mm},

@@ -102,40 +102,67 @@ TEST(OralFissure, needs_a_mandible_or_stomion) {
   EXPECT_TRUE(predict::find_oral_fissure(labels, soft, {Vec3(0.0, -12.0, 3.0), {}, {}}).fissure);
 }
 
-TEST(LipContact, pushes_along_the_normal_only_and_is_the_gradient_of_its_energy) {
-  const Vec3 n = Vec3(0.2, -0.3, 0.9).normalized();
-  const predict::LipContact contact({{.upper = 3, .lower = 5, .area_mm2 = 2.0, .normal_L = n}},
-                                    0.3);
-  EXPECT_EQ(contact.nodes(0)[0], 3);
-  const auto energy = [&](const std::array<Vec3, 2>& x, VectorX* residual = nullptr,
-                          Eigen::MatrixXd* stiffness = nullptr) {
-    VectorX r = VectorX::Zero(6);
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(6, 6);
-    fem::LocalEquations local{.energy_mj = 0.0,
-                              .residual_n = Eigen::Map<VectorX>(r.data(), 6),
-                              .stiffness_n_per_mm = Eigen::Map<Eigen::MatrixXd>(K.data(), 6, 6)};
-    EXPECT_TRUE(contact.evaluate(0, x, local));
-    if (residual != nullptr) *residual = r;
-    if (stiffness != nullptr) *stiffness = K;
-    return local.energy_mj;
-  };
-  const std::array<Vec3, 2> overlapping{Vec3(0.1, 0.0, -0.4), Vec3(0.0, 0.2, 0.1)};
-  VectorX r;
-  Eigen::MatrixXd K;
-  const double e = n.dot(overlapping[0] - overlapping[1]);
-  EXPECT_NEAR(energy(overlapping, &r, &K), 0.5 * 2.0 * 0.3 * e * e, 1e-15);
-  EXPECT_NEAR((r.head<3>() + r.tail<3>()).norm(), 0.0, 1e-15);  // Action and reaction.
-  EXPECT_NEAR(r.head<3>().cross(n).norm(), 0.0, 1e-15);         // No friction.
+/// Energy, residual and stiffness of a pair.
+struct PairEquations {
+  double energy_mj = 0.0;
+  VectorX r = VectorX::Zero(6);
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(6, 6);
+};
+
+PairEquations equations_of(const predict::LipContact& contact, const std::array<Vec3, 2>& x) {
+  PairEquations at;
+  fem::LocalEquations local{.energy_mj = 0.0,
+                            .residual_n = Eigen::Map<VectorX>(at.r.data(), 6),
+                            .stiffness_n_per_mm = Eigen::Map<Eigen::MatrixXd>(at.K.data(), 6, 6)};
+  EXPECT_TRUE(contact.evaluate(0, x, local));
+  at.energy_mj = local.energy_mj;
+  return at;
+}
+
+constexpr double kArea_mm2 = 2.0, kStiffness = 0.3, kTone_mpa = 0.06;
+const Vec3 kNormal_L = Vec3(0.2, -0.3, 0.9).normalized();
+
+predict::LipContact one_pair(double tone_mpa) {
+  return {{{.upper = 3, .lower = 5, .area_mm2 = kArea_mm2, .normal_L = kNormal_L}},
+          kStiffness,
+          tone_mpa};
+}
+
+void expect_gradient(const predict::LipContact& contact, const std::array<Vec3, 2>& x) {
+  const PairEquations at = equations_of(contact, x);
+  EXPECT_NEAR((at.r.head<3>() + at.r.tail<3>()).norm(), 0.0, 1e-15);  // Action and reaction.
+  EXPECT_NEAR(at.r.head<3>().cross(kNormal_L).norm(), 0.0, 1e-15);    // No friction.
   constexpr double h = 1e-6;
   for (int i = 0; i < 6; ++i) {
-    std::array<Vec3, 2> up = overlapping, down = overlapping;
+    std::array<Vec3, 2> up = x, down = x;
     up[std::size_t(i / 3)][i % 3] += h;
     down[std::size_t(i / 3)][i % 3] -= h;
-    VectorX r_up, r_down;
-    EXPECT_NEAR((energy(up, &r_up) - energy(down, &r_down)) / (2.0 * h), r[i], 1e-8);
-    EXPECT_NEAR(((r_up - r_down) / (2.0 * h) - K.col(i)).norm(), 0.0, 1e-8);
+    const PairEquations above = equations_of(contact, up), below = equations_of(contact, down);
+    EXPECT_NEAR((above.energy_mj - below.energy_mj) / (2.0 * h), at.r[i], 1e-8);
+    EXPECT_NEAR(((above.r - below.r) / (2.0 * h) - at.K.col(i)).norm(), 0.0, 1e-8);
   }
-  EXPECT_EQ(energy({overlapping[1], overlapping[0]}), 0.0);  // Open: no tension.
+}
+
+TEST(LipContact, pushes_along_the_normal_only_and_is_the_gradient_of_its_energy) {
+  const predict::LipContact contact = one_pair(0.0);
+  EXPECT_EQ(contact.nodes(0)[0], 3);
+  const std::array<Vec3, 2> overlapping{Vec3(0.1, 0.0, -0.4), Vec3(0.0, 0.2, 0.1)};
+  const double e = kNormal_L.dot(overlapping[0] - overlapping[1]);
+  EXPECT_NEAR(equations_of(contact, overlapping).energy_mj, 0.5 * kArea_mm2 * kStiffness * e * e,
+              1e-15);
+  expect_gradient(contact, overlapping);
+  EXPECT_EQ(equations_of(contact, {overlapping[1], overlapping[0]}).energy_mj, 0.0);  // Open.
+}
+
+TEST(LipContact, tone_closes_open_lips_with_a_constant_traction) {
+  const predict::LipContact contact = one_pair(kTone_mpa);
+  for (const double opening_mm : {0.1, 0.19, 0.21, 1.0, 5.0}) {  // e_0 is 0.2 mm.
+    const std::array<Vec3, 2> open{opening_mm * kNormal_L, Vec3::Zero()};
+    expect_gradient(contact, open);
+    const double force_n = equations_of(contact, open).r.head<3>().dot(kNormal_L);
+    EXPECT_NEAR(force_n, kArea_mm2 * std::min(kTone_mpa, kStiffness * opening_mm), 1e-15);
+  }
+  EXPECT_EQ(equations_of(contact, {Vec3::Zero(), Vec3::Zero()}).r.norm(), 0.0);  // At rest.
 }
 
 TEST(LipStatistics, measure_overlap_opening_and_slip) {

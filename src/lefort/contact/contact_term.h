@@ -145,8 +145,8 @@ class ContactTerm final : public fem::ForceTerm {
   Options options_;
   RigidObstacle obstacle_;
   std::vector<mesh::Face> faces_;
-  ContactSurface surface_;                   ///< One patch per face.
-  std::vector<double> rest_gaps_mm_;         ///< g_0 of each point.
+  ContactSurface surface_;            ///< One patch per face.
+  std::vector<double> rest_gaps_mm_;  ///< g_0 of each point.
   /// Of each point, in the reference configuration: the distance is known, or the point is outside.
   std::vector<std::uint8_t> has_rest_gap_;
   std::vector<std::vector<RestGaps>> dense_rest_gaps_;  ///< Of the samples of each face.

@@ -115,6 +115,8 @@ void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
     options.elevation_margin_mm = boundary["elevation_margin_mm"].get<double>();
   read(boundary, "joint_margin_mm", options.joint_margin_mm);
   read(boundary, "vestibule_mm", options.vestibule_mm);
+  if (boundary.contains("lip_tone_kpa"))
+    options.lip_tone_mpa = boundary["lip_tone_kpa"].get<double>() / 1000.0;
   read(boundary, "interface_layer_mm", options.interface_layer_mm);
   read(boundary, "foundation_mm", options.foundation_mm);
   read(boundary, "contact_snap_mm", options.contact_snap_mm);

@@ -183,7 +183,8 @@ Result<void> FaceBody::make_assembler() {
       if (term.item_count() > 0) terms.push_back(&term);
   if (model_.lips.is_separated())
     terms.push_back(&lips_.emplace(
-        model_.lips.pairs, contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm));
+        model_.lips.pairs, contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm,
+        options_.boundary.lip_tone_mpa));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
                                                   prescribed_at(std::vector<RigidTransform>(
                                                       names_.size(), RigidTransform::Identity()))));

@@ -6,9 +6,10 @@
 
 namespace lefort::predict {
 
-LipContact::LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm)
-    : pairs_(std::move(pairs)), stiffness_mpa_per_mm_(stiffness_mpa_per_mm) {
+LipContact::LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm, double tone_mpa)
+    : pairs_(std::move(pairs)), stiffness_mpa_per_mm_(stiffness_mpa_per_mm), tone_mpa_(tone_mpa) {
   LEFORT_CHECK(stiffness_mpa_per_mm > 0.0);
+  LEFORT_CHECK(tone_mpa >= 0.0);
   for (const LipPair& pair : pairs_) nodes_.push_back({pair.upper, pair.lower});
 }
 
@@ -17,13 +18,19 @@ bool LipContact::evaluate(Index item, std::span<const Vec3> x_L, fem::LocalEquat
   const LipPair& pair = pairs_[std::size_t(item)];
   const Vec3& n = pair.normal_L;
   const double opening_mm = n.dot(x_L[0] - x_L[1]);
-  if (opening_mm >= 0.0) return true;
+  const double tone_mm = tone_mpa_ / stiffness_mpa_per_mm_;  // e_0
+  if (opening_mm >= tone_mm) {
+    local.energy_mj = pair.area_mm2 * tone_mpa_ * (opening_mm - 0.5 * tone_mm);
+    local.residual_n.head<3>() = pair.area_mm2 * tone_mpa_ * n;
+    local.residual_n.tail<3>() = -local.residual_n.head<3>();
+    return true;
+  }
   const double k = pair.area_mm2 * stiffness_mpa_per_mm_;
   local.energy_mj = 0.5 * k * opening_mm * opening_mm;
   local.residual_n.head<3>() = k * opening_mm * n;
   local.residual_n.tail<3>() = -k * opening_mm * n;
   local.contacts = 1;
-  local.deepest_mm = -opening_mm;
+  local.deepest_mm = std::max(-opening_mm, 0.0);
   if (!local.wants_stiffness()) return true;
   const Mat3 K = k * n * n.transpose();
   local.stiffness_n_per_mm.topLeftCorner<3, 3>() = K;

@@ -1,12 +1,14 @@
 /// \file
-/// Contact of the lips with each other, without friction: node to node.
+/// Contact of the lips with each other, without friction: node to node. Their tone closes them.
 ///
 /// For a pair of nodes at the same position at rest, with area A and normal n from the lower lip to
 /// the upper one (\cite francavilla1975):
 ///
 ///   e = n . (x_upper - x_lower)               opening
-///   W = A/2 k_c e^2 if e < 0, else 0          pressure k_c |e|; on bone it is 2 k_c d
+///   W = A/2 k_c e^2          e < e_0          pressure k_c |e|; on bone it is 2 k_c d
+///   W = A t (e - e_0 / 2)    e >= e_0         traction t, the resting tone; e_0 = t / k_c
 ///
+/// At rest the tone presses the lips on each other, so that it has no effect until they open.
 /// n is that at rest: motion perpendicular to n meets no resistance. After a slip s on a surface of
 /// curvature kappa the opening is in error by about kappa s^2 / 2 (docs/theory/interface.md).
 /// Lips that slide on each other, with face-to-face contact: \cite kim2021.
@@ -28,7 +30,8 @@ class LipContact final : public fem::ForceTerm {
  public:
   /// \param pairs                 of the lips.
   /// \param stiffness_mpa_per_mm  k_c > 0.
-  LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm);
+  /// \param tone_mpa              t >= 0.
+  LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm, double tone_mpa);
 
   [[nodiscard]] Index item_count() const override { return Index(pairs_.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
@@ -41,6 +44,7 @@ class LipContact final : public fem::ForceTerm {
   std::vector<LipPair> pairs_;
   std::vector<std::array<std::int32_t, 2>> nodes_;
   double stiffness_mpa_per_mm_;
+  double tone_mpa_;
 };
 
 /// Position of the lips relative to each other.

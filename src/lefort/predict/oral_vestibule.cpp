@@ -84,20 +84,19 @@ Vec3 normal_of(const std::vector<Vec3>& points) {
 }  // namespace
 
 bool OralVestibule::contains(const Vec3& p_L, bool on_mandible) const {
-  if (std::abs(p_L.x() - front_L.x()) > kArchHalfWidth_mm ||
-      p_L.y() > front_L.y() + kArchDepth_mm)
+  if (std::abs(p_L.x() - front_L.x()) > kArchHalfWidth_mm || p_L.y() > front_L.y() + kArchDepth_mm)
     return false;
   const double height_mm = normal_L.dot(p_L);
   return on_mandible ? height_mm > lower_fold_mm : height_mm < upper_fold_mm;
 }
 
-std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels,
-                                                 double depth_mm) {
+std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels, double depth_mm) {
   const std::optional<JawEdges> edges = find_jaw_edges(labels);
   if (!edges) return std::nullopt;
-  const std::vector<double> front_y_mm = anterior_surface_y_mm(
-      labels, edges->middle_x_mm, 1,
-      {std::min(edges->upper_z_mm, edges->lower_z_mm), std::max(edges->upper_z_mm, edges->lower_z_mm)});
+  const std::vector<double> front_y_mm =
+      anterior_surface_y_mm(labels, edges->middle_x_mm, 1,
+                            {std::min(edges->upper_z_mm, edges->lower_z_mm),
+                             std::max(edges->upper_z_mm, edges->lower_z_mm)});
   if (front_y_mm.empty()) return std::nullopt;
   OralVestibule vestibule;
   vestibule.front_L = {edges->middle_x_mm, front_y_mm.front(), edges->middle_z_mm()};

@@ -17,10 +17,10 @@ inline constexpr double kUpperCrown_mm = 10.5, kLowerCrown_mm = 9.0;
 /// Where tissue on a jaw is not attached: within the height of the crowns and the depth of the
 /// vestibule from the edges of the teeth. Lingual of the teeth, the same depth is used.
 struct OralVestibule {
-  Vec3 normal_L = Vec3::UnitZ();       ///< Of the occlusal plane, unit vector, to superior.
-  Vec3 front_L = Vec3::Zero();         ///< Anterior surface of the teeth in the middle.
-  double upper_fold_mm = 0.0;          ///< normal . p at the fold of the upper jaw.
-  double lower_fold_mm = 0.0;          ///< normal . p at the fold of the lower jaw.
+  Vec3 normal_L = Vec3::UnitZ();  ///< Of the occlusal plane, unit vector, to superior.
+  Vec3 front_L = Vec3::Zero();    ///< Anterior surface of the teeth in the middle.
+  double upper_fold_mm = 0.0;     ///< normal . p at the fold of the upper jaw.
+  double lower_fold_mm = 0.0;     ///< normal . p at the fold of the lower jaw.
 
   /// \param p_L          a point on a jaw.
   /// \param on_mandible  or on the upper jaw.
@@ -30,7 +30,7 @@ struct OralVestibule {
 /// The occlusal plane is the least-squares plane midway between the facing edges of both jaws.
 ///
 /// \param labels    of the scan.
-/// \param depth_mm  from the gingival margin to the fold, >= 0.
+/// \param depth_mm  from the gingival margin to the fold, >= 0 (\cite ward1976: 2.5 to 11.5 mm).
 /// \returns nothing if find_jaw_edges() finds none.
 [[nodiscard]] std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels,
                                                                double depth_mm);

@@ -132,6 +132,9 @@ struct BoundaryOptions {
   /// Contact snap distance: tissue boundary within this distance of a bone counts as lying on it.
   double contact_snap_mm = 0.8;
   Lips lips = Lips::kSeparate;
+  /// Traction that closes lips which touch at rest, >= 0: resting pressure of the lips on the
+  /// incisors of adults, mean of upper (0.38 kPa) and lower lip (0.84 kPa) (\cite hellsing1987).
+  double lip_tone_mpa = 0.0006;
 };
 
 /// elevation_margin_mm of interfaces other than kClinical, and of osteotomies without a template.

@@ -18,8 +18,8 @@ using Flags = std::vector<char>;
 Result<std::vector<contact::RigidObstacle>> bones_of(const FaceModel& model) {
   std::vector<contact::RigidObstacle> bones;
   const auto add = [&](const ContactBone& bone) -> Result<void> {
-    LEFORT_TRY(auto query_B, contact::field_distance_query(bone.field_B,
-                                                           contact::DetectionMethod::kTrilinear));
+    LEFORT_TRY(auto query_B,
+               contact::field_distance_query(bone.field_B, contact::DetectionMethod::kTrilinear));
     bones.push_back({.distance_query_B = std::move(query_B)});
     return {};
   };
@@ -103,9 +103,8 @@ Result<Index> release_overlap(FaceModel& model, std::span<const geometry::RigidP
   parallel_for(std::ssize(nodes), [&](Index n) {
     const NodeInterface& one = nodes[std::size_t(n)];
     if (one.bone == kNoBone || one.rule == InterfaceRule::kPainted) return;
-    enters[std::size_t(one.node)] =
-        enters_other_bone(model.tissue.nodes_L[std::size_t(one.node)], one.bone, at_rest, poses,
-                          contact_snap_mm);
+    enters[std::size_t(one.node)] = enters_other_bone(model.tissue.nodes_L[std::size_t(one.node)],
+                                                      one.bone, at_rest, poses, contact_snap_mm);
   });
   const Flags is_near = with_neighbors(model.tissue, enters);
   Flags is_released(is_near.size(), 0);

@@ -100,6 +100,7 @@ export interface Boundary {
   vestibule_mm?: number;
   interface_layer_mm?: number;
   lips?: 'separate' | 'joined';
+  lip_tone_kpa?: number;
   contact_snap_mm?: number;
   labels?: string;
 }

@@ -19,7 +19,7 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 15;
+constexpr double kStepsRevision = 16;
 
 constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;
@@ -300,7 +300,8 @@ std::string restart_key(const PreparedCase& prepared) {
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
   const auto& [interface, scan_boundary, cut_boundary, foundation_mm, elevation_margin_mm,
-               joint_margin_mm, vestibule_mm, interface_layer_mm, contact_snap_mm, lips] = plan.boundary;
+               joint_margin_mm, vestibule_mm, interface_layer_mm, contact_snap_mm, lips,
+               lip_tone_mpa] = plan.boundary;
   hash.add(double(interface))
       .add(double(scan_boundary))
       .add(double(cut_boundary))
@@ -309,7 +310,8 @@ std::string restart_key(const PreparedCase& prepared) {
       .add(joint_margin_mm)
       .add(vestibule_mm)
       .add(interface_layer_mm)
-      .add(contact_snap_mm);
+      .add(contact_snap_mm)
+      .add(lip_tone_mpa);
   hash.add(double(lips)).add(double(prepared.model.lips.pairs.size()));
   for (const predict::LipPair& pair : prepared.model.lips.pairs) {
     const auto& [upper, lower, area_mm2, normal_L] = pair;

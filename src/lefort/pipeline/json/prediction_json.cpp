@@ -132,6 +132,7 @@ Json parameters(const PreparedCase& prepared, const predict::FacePrediction& pre
            boundary.elevation_margin_mm ? Json(*boundary.elevation_margin_mm) : Json(nullptr)},
           {"joint_margin_mm", boundary.joint_margin_mm},
           {"vestibule_mm", boundary.vestibule_mm},
+          {"lip_tone_kpa", 1000.0 * boundary.lip_tone_mpa},
           {"interface_layer_mm", boundary.interface_layer_mm},
           {"contact_snap_mm", plan.boundary.contact_snap_mm},
           {"stiffness_factor", predict::stiffness_factor(plan.contact, plan.tissue)},

@@ -15,12 +15,12 @@
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/elevation_zone.h>
-#include <lefort/predict/release_overlap.h>
 #include <lefort/predict/contact_field.h>
 #include <lefort/predict/interface_supports.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/oral_fissure.h>
 #include <lefort/predict/path_overlaps.h>
+#include <lefort/predict/release_overlap.h>
 #include <lefort/predict/second_order_tissue.h>
 #include <lefort/predict/separate_lips.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -211,14 +211,13 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
 /// Releases tissue where bones overlap along the path, and reports it.
 Result<void> release_overlapping_bone(predict::FaceModel& model, const io::PlanFile& plan,
                                       Progress& progress) {
-  LEFORT_TRY(const Index released,
-             predict::release_overlap(model, plan::paths_of(plan.segments),
-                                      plan.boundary.contact_snap_mm));
+  LEFORT_TRY(const Index released, predict::release_overlap(model, plan::paths_of(plan.segments),
+                                                            plan.boundary.contact_snap_mm));
   if (released > 0)
-    progress.note(
-        fmt::format("warning: bones overlap along the path: {} nodes of the tissue there are free, as "
-                    "if this bone had been removed",
-                    released));
+    progress.note(fmt::format(
+        "warning: bones overlap along the path: {} nodes of the tissue there are free, as "
+        "if this bone had been removed",
+        released));
   return {};
 }
 

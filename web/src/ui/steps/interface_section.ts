@@ -50,6 +50,19 @@ export function interfaceSection({ boundary = {} }: Plan, set: SetPlan): Html {
           onInput: (v) => setBoundary({ joint_margin_mm: v }, 'joint-margin'),
         })
       : nothing,
+    kind === 'clinical'
+      ? numberField({
+          label: 'Depth of the vestibule',
+          hint: 'from the gingival margin to the fold; tissue on teeth and gingiva slides',
+          value: boundary.vestibule_mm ?? 10,
+          unit: 'mm',
+          min: 0,
+          max: 30,
+          step: 1,
+          id: 'vestibule',
+          onInput: (v) => setBoundary({ vestibule_mm: v }, 'vestibule'),
+        })
+      : nothing,
     numberField({
       label: 'Interface layer',
       hint: 'thickness of the elastic layer below sliding tissue',
