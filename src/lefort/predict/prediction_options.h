@@ -123,7 +123,7 @@ struct BoundaryOptions {
   /// kClinical: tissue on bone within this distance of bone that moves relative to it, and that no
   /// osteotomy separates from it, slides: occluding teeth, jaw joint; >= 0.
   double joint_margin_mm = 8.0;
-  /// kClinical: depth of the oral vestibule, from the gingival margin to the fold (oral_vestibule.h);
+  /// kClinical: depth of the oral vestibule from gingival margin to fold (oral_vestibule.h):
   /// tissue on teeth and gingiva slides. 0: the joint margin alone decides.
   double vestibule_mm = 10.0;
   /// Thickness of the elastic layer between bone and tissue that slides on it, > 0
