@@ -51,7 +51,10 @@ TEST(OralVestibule, ReachesFromTheEdgesByCrownAndDepthAlongTheOcclusalPlane) {
     EXPECT_FALSE(vestibule->contains(at(y_mm, -kLower_mm - kVoxels_mm), true)) << y_mm;
   }
   EXPECT_FALSE(vestibule->contains(at(kFront_mm + 50.0, 5.0), false));  // Behind the arches.
-  EXPECT_FALSE(vestibule->contains({40.0, 0.0, 5.0}, false));           // Lateral to them.
+  // Bone far below the upper jaw, such as the hyoid, and a coronoid process are not in it.
+  EXPECT_FALSE(vestibule->contains(at(0.0, -40.0), false));
+  EXPECT_FALSE(vestibule->contains(at(0.0, 20.0), true));
+  EXPECT_FALSE(vestibule->contains({40.0, 0.0, 5.0}, false));  // Lateral to them.
 }
 
 TEST(OralVestibule, FollowsEachJawInAnOpenBite) {

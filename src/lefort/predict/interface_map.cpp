@@ -150,6 +150,10 @@ class InterfaceRules {
     }
   }
 
+  [[nodiscard]] bool is_near_air(const Vec3& p_L) const {
+    return distance_to_label(labels_, anatomy::Tissue::kAirway, p_L, kNearAir_mm) <= kNearAir_mm;
+  }
+
  private:
   /// Whether a surface reaches the plane through `p_L`.
   [[nodiscard]] static bool crosses(const geometry::Bvh* surface, const Vec3& p_L,
@@ -172,10 +176,6 @@ class InterfaceRules {
       if (const double mm = distance_mm(segments_[k].get(), p_L); mm < best.second)
         best = {std::int32_t(k), mm};
     return best;
-  }
-
-  [[nodiscard]] bool is_near_air(const Vec3& p_L) const {
-    return distance_to_label(labels_, anatomy::Tissue::kAirway, p_L, kNearAir_mm) <= kNearAir_mm;
   }
 
   /// Whether an osteotomy elevates tissue at a point of `bone`.
@@ -343,11 +343,13 @@ void join_middle_nodes(std::vector<NodeInterface>& nodes, const mesh::VolumeMesh
 /// Lets tissue slide where an element joins nodes that are bonded to two bones. Tissue cannot be
 /// bonded to two bones that move relative to each other, and the motion of the bones alone would
 /// invert such an element.
-void release_nodes_between_bones(std::vector<NodeInterface>& nodes,
-                                 const mesh::VolumeMesh& tissue) {
+template <class IsNearAir>
+void release_nodes_between_bones(std::vector<NodeInterface>& nodes, const mesh::VolumeMesh& tissue,
+                                 const std::vector<char>& is_on_lip, const IsNearAir& is_near_air) {
   std::vector<std::int32_t> bone_of(tissue.nodes_L.size(), kNoBone);
   for (const NodeInterface& one : nodes)
-    if (one.condition == InterfaceCondition::kBonded) bone_of[std::size_t(one.node)] = one.bone;
+    if (one.condition == InterfaceCondition::kBonded && one.rule != InterfaceRule::kBrain)
+      bone_of[std::size_t(one.node)] = one.bone;
   std::vector<char> is_between(tissue.nodes_L.size(), 0);
   for (const mesh::ElementBlock& block : tissue.blocks)
     for (Index e = 0; e < block.element_count(); ++e) {
@@ -368,6 +370,8 @@ void release_nodes_between_bones(std::vector<NodeInterface>& nodes,
     if (is_between[std::size_t(one.node)] != 0 && one.rule != InterfaceRule::kPainted) {
       one.condition = InterfaceCondition::kSliding;
       one.rule = InterfaceRule::kJoint;
+      one.may_separate = is_on_lip[std::size_t(one.node)] != 0 ||
+                         is_near_air(tissue.nodes_L[std::size_t(one.node)]);
     }
 }
 
@@ -396,7 +400,8 @@ InterfaceMap make_interface_map(const mesh::VolumeMesh& tissue, const TissueDoma
   });
   join_middle_nodes(map.nodes, tissue);
   if (options.interface == TissueInterface::kClinical)
-    release_nodes_between_bones(map.nodes, tissue);
+    release_nodes_between_bones(map.nodes, tissue, is_on_lip,
+                                [&](const Vec3& p_L) { return rules.is_near_air(p_L); });
   std::vector<std::pair<std::int32_t, Vec3>> planes;
   for (const NodeInterface& one : map.nodes)
     if (is_in_plane(one))

@@ -29,7 +29,7 @@ bool LipContact::evaluate(Index item, std::span<const Vec3> x_L, fem::LocalEquat
   local.energy_mj = 0.5 * k * opening_mm * opening_mm;
   local.residual_n.head<3>() = k * opening_mm * n;
   local.residual_n.tail<3>() = -k * opening_mm * n;
-  local.contacts = 1;
+  local.contacts = opening_mm < 0.0 ? 1 : 0;
   local.deepest_mm = std::max(-opening_mm, 0.0);
   if (!local.wants_stiffness()) return true;
   const Mat3 K = k * n * n.transpose();

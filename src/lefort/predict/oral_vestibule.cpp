@@ -17,6 +17,8 @@ using anatomy::Tissue;
 
 /// The dental arches: half their width, and their depth up to the anterior border of the ramus.
 constexpr double kArchHalfWidth_mm = 35.0, kArchDepth_mm = 45.0;
+/// Teeth may reach this far beyond the edge of the incisors: canines, a curved occlusal plane.
+constexpr double kBeyondEdge_mm = 8.0;
 /// Bone this far from the level of the edges is none of the facing edges.
 constexpr double kNearEdges_mm = 15.0;
 /// Facing edges further than this from the plane are left out, in this order.
@@ -87,7 +89,8 @@ bool OralVestibule::contains(const Vec3& p_L, bool on_mandible) const {
   if (std::abs(p_L.x() - front_L.x()) > kArchHalfWidth_mm || p_L.y() > front_L.y() + kArchDepth_mm)
     return false;
   const double height_mm = normal_L.dot(p_L);
-  return on_mandible ? height_mm > lower_fold_mm : height_mm < upper_fold_mm;
+  return on_mandible ? height_mm > lower_fold_mm && height_mm < lower_edge_mm + kBeyondEdge_mm
+                     : height_mm < upper_fold_mm && height_mm > upper_edge_mm - kBeyondEdge_mm;
 }
 
 std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels, double depth_mm) {
@@ -104,8 +107,10 @@ std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels
   const auto height_mm = [&](double z_mm) {
     return vestibule.normal_L.dot(Vec3(vestibule.front_L.x(), vestibule.front_L.y(), z_mm));
   };
-  vestibule.upper_fold_mm = height_mm(edges->upper_z_mm) + kUpperCrown_mm + depth_mm;
-  vestibule.lower_fold_mm = height_mm(edges->lower_z_mm) - kLowerCrown_mm - depth_mm;
+  vestibule.upper_edge_mm = height_mm(edges->upper_z_mm);
+  vestibule.lower_edge_mm = height_mm(edges->lower_z_mm);
+  vestibule.upper_fold_mm = vestibule.upper_edge_mm + kUpperCrown_mm + depth_mm;
+  vestibule.lower_fold_mm = vestibule.lower_edge_mm - kLowerCrown_mm - depth_mm;
   return vestibule;
 }
 

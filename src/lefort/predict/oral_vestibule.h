@@ -20,6 +20,8 @@ struct OralVestibule {
   Vec3 normal_L = Vec3::UnitZ();  ///< Of the occlusal plane, unit vector, to superior.
   Vec3 front_L = Vec3::Zero();    ///< Anterior surface of the teeth in the middle.
   double upper_fold_mm = 0.0;     ///< normal . p at the fold of the upper jaw.
+  double upper_edge_mm = 0.0;     ///< normal . p at the edge of the upper jaw.
+  double lower_edge_mm = 0.0;     ///< normal . p at the edge of the lower jaw.
   double lower_fold_mm = 0.0;     ///< normal . p at the fold of the lower jaw.
 
   /// \param p_L          a point on a jaw.

@@ -62,6 +62,24 @@ bool enters_other_bone(const Vec3& p_L, std::int32_t own,
   return false;
 }
 
+/// Whether the rule may release a node: it is attached to a bone, not painted, and not in a plane
+/// where the mesh ends. Elevated tissue can move away, so bone pushes it.
+bool may_release(const NodeInterface& one, const Flags& is_in_plane) {
+  const bool is_attached =
+      one.condition == InterfaceCondition::kBonded || one.condition == InterfaceCondition::kSliding;
+  return is_attached && one.bone != kNoBone && one.rule != InterfaceRule::kPainted &&
+         is_in_plane[std::size_t(one.node)] == 0;
+}
+
+/// Nodes where the scan or the meshed region ends.
+Flags nodes_in_planes(const mesh::VolumeMesh& tissue) {
+  Flags flags(tissue.nodes_L.size(), 0);
+  for (const char* name : {sets::kCut, sets::kScanBoundary})
+    if (const auto set = tissue.node_sets.find(name); set != tissue.node_sets.end())
+      for (const std::int32_t node : set->second) flags[std::size_t(node)] = 1;
+  return flags;
+}
+
 /// Adds the nodes that share an element with a flagged one.
 Flags with_neighbors(const mesh::VolumeMesh& tissue, const Flags& flags) {
   Flags all = flags;
@@ -99,10 +117,11 @@ Result<Index> release_overlap(FaceModel& model, std::span<const geometry::RigidP
   for (int step = 1; step <= steps; ++step)
     poses.push_back(geometry::poses_at(paths, double(step) / steps));
   std::vector<NodeInterface>& nodes = model.interface.nodes;
+  const Flags is_in_plane = nodes_in_planes(model.tissue);
   Flags enters(model.tissue.nodes_L.size(), 0);
   parallel_for(std::ssize(nodes), [&](Index n) {
     const NodeInterface& one = nodes[std::size_t(n)];
-    if (one.bone == kNoBone || one.rule == InterfaceRule::kPainted) return;
+    if (!may_release(one, is_in_plane)) return;
     enters[std::size_t(one.node)] = enters_other_bone(model.tissue.nodes_L[std::size_t(one.node)],
                                                       one.bone, at_rest, poses, contact_snap_mm);
   });
@@ -110,9 +129,7 @@ Result<Index> release_overlap(FaceModel& model, std::span<const geometry::RigidP
   Flags is_released(is_near.size(), 0);
   Index count = 0;
   for (NodeInterface& one : nodes) {
-    if (is_near[std::size_t(one.node)] == 0 || one.bone == kNoBone ||
-        one.rule == InterfaceRule::kPainted)
-      continue;
+    if (is_near[std::size_t(one.node)] == 0 || !may_release(one, is_in_plane)) continue;
     one = {.node = one.node, .rule = InterfaceRule::kOverlap};
     is_released[std::size_t(one.node)] = 1;
     ++count;

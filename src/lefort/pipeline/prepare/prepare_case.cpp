@@ -210,7 +210,9 @@ Result<std::optional<predict::ContactBone>> find_stationary_bone(
 
 /// Releases tissue where bones overlap along the path, and reports it.
 Result<void> release_overlapping_bone(predict::FaceModel& model, const io::PlanFile& plan,
+                                      const predict::BoundaryOptions& boundary,
                                       Progress& progress) {
+  if (boundary.interface != predict::TissueInterface::kClinical) return {};
   LEFORT_TRY(const Index released, predict::release_overlap(model, plan::paths_of(plan.segments),
                                                             plan.boundary.contact_snap_mm));
   if (released > 0)
@@ -320,7 +322,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                            .stationary_bone = std::move(stationary_bone),
                            .interface = std::move(boundary.interface),
                            .lips = std::move(made.lips)};
-  LEFORT_TRY_VOID(release_overlapping_bone(model, plan, progress));
+  LEFORT_TRY_VOID(release_overlapping_bone(model, plan, plan.boundary, progress));
   LEFORT_TRY_VOID(find_obstacles(model, plan, plan.tissue, plan.boundary.interface,
                                  ObstacleMotion::kPlanned, cache, progress));
   Provenance provenance = provenance_of(plan, plan_sha256, head);
@@ -360,7 +362,7 @@ Result<predict::FaceModel> remodel(const PreparedCase& prepared,
                            .interface = std::move(found.interface),
                            .lips = std::move(made.lips)};
   if (motion == ObstacleMotion::kPlanned) {
-    LEFORT_TRY_VOID(release_overlapping_bone(model, prepared.plan, progress));
+    LEFORT_TRY_VOID(release_overlapping_bone(model, prepared.plan, boundary, progress));
   }
   LEFORT_TRY_VOID(
       find_obstacles(model, prepared.plan, obstacles, boundary.interface, motion, cache, progress));
