@@ -14,9 +14,10 @@ namespace lefort::predict {
 
 /// Tissue between two bones that overlap has no space, so that no equilibrium exists. At surgery
 /// such bone is removed. Tissue on it is therefore free: nothing holds it, and no bone pushes it
-/// (InterfaceRule::kOverlap). Free are the nodes that are bonded to a bone or slide on it and at any step of the path lie deeper
-/// than the contact snap distance in another bone, by more than that deeper than at rest, and
-/// such nodes that share an element with them. Paint, elevated tissue and planes are kept.
+/// (InterfaceRule::kOverlap). Free are the nodes that are bonded to a bone or slide on it and at
+/// any step of the path lie deeper than the contact snap distance in another bone, by more than
+/// that deeper than at rest, and such nodes that share an element with them. Paint, elevated tissue
+/// and planes are kept.
 ///
 /// \param model            its interface map and its sets change.
 /// \param paths            one for each segment.
