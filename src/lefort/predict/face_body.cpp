@@ -72,7 +72,10 @@ Result<std::unique_ptr<FaceBody>> FaceBody::create(const FaceModel& model,
   LEFORT_TRY(body->materials_, materials_of(options.tissue));
   LEFORT_TRY(body->elements_, fem::make_element_terms(model.tissue, body->materials_));
   LEFORT_TRY_VOID(body->add_contacts(distance_queries_B, progress));
-  LEFORT_TRY_VOID(body->make_assembler());
+  if (model.lips.is_separated()) body->lip_surfaces_ = lip_surfaces(model.tissue, model.lips);
+  body->update_lips(VectorX::Zero(3 * model.tissue.node_count()));
+  LEFORT_TRY(fem::DofMap dofs, body->make_dofs());
+  body->make_assembler(std::move(dofs));
   return body;
 }
 
@@ -172,8 +175,13 @@ void FaceBody::note_rest_penetration(double inside_mm, const std::string& bone,
                     bone, inside_mm, options_.boundary.contact_snap_mm));
 }
 
-Result<void> FaceBody::make_assembler() {
-  const mesh::VolumeMesh& tissue = model_.tissue;
+Result<fem::DofMap> FaceBody::make_dofs() const {
+  return fem::DofMap::build(
+      model_.tissue.node_count(),
+      prescribed_at(std::vector<RigidTransform>(names_.size(), RigidTransform::Identity())));
+}
+
+void FaceBody::make_assembler(fem::DofMap dofs) {
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements_) terms.push_back(term.get());
   for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
@@ -181,15 +189,19 @@ Result<void> FaceBody::make_assembler() {
   for (const auto* supports : {&segment_supports_, &stationary_supports_})
     for (const contact::SupportTerm& term : *supports)
       if (term.item_count() > 0) terms.push_back(&term);
-  if (model_.lips.is_separated())
-    terms.push_back(&lips_.emplace(
-        model_.lips.pairs, contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm,
-        options_.boundary.lip_tone_mpa));
-  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
-                                                  prescribed_at(std::vector<RigidTransform>(
-                                                      names_.size(), RigidTransform::Identity()))));
-  assembler_.emplace(tissue.nodes_L, std::move(dofs), std::move(terms));
-  return {};
+  if (lips_) terms.push_back(&*lips_);
+  assembler_.emplace(model_.tissue.nodes_L, std::move(dofs), std::move(terms));
+}
+
+void FaceBody::update_lips(const VectorX& u) {
+  if (!model_.lips.is_separated()) return;
+  std::vector<FacingPoint> points =
+      face_lips(lip_surfaces_, model_.lips.pairs, contact::displaced(model_.tissue.nodes_L, u));
+  if (lips_ && lips_->replace(points)) return;
+  lips_.emplace(std::move(points),
+                contact_law(options_.contact, options_.tissue).penalty_mpa_per_mm,
+                options_.boundary.lip_tone_mpa);
+  if (assembler_) make_assembler(assembler_->dofs());
 }
 
 std::vector<fem::PrescribedDisplacement> FaceBody::prescribed_at(
@@ -214,6 +226,7 @@ fem::NewtonOutcome FaceBody::solve(const FaceEquilibrium& last,
                                    linear::LinearSolver& linear_solver, Progress& progress,
                                    const OnBodyIterate& on_iterate) {
   set_poses(X_LB);
+  update_lips(last.u);
   const auto solve = [&](const VectorX& from, int max_iterations) {
     return solve_from(X_LB, from, max_iterations, linear_solver, progress, on_iterate);
   };
@@ -224,6 +237,7 @@ fem::NewtonOutcome FaceBody::solve(const FaceEquilibrium& last,
 fem::NewtonOutcome FaceBody::approach(const std::vector<RigidTransform>& X_LB, const VectorX& start,
                                       int iterations, linear::LinearSolver& linear_solver) {
   set_poses(X_LB);
+  update_lips(start);
   return solve_from(X_LB, start, iterations, linear_solver, Progress::none(), {});
 }
 

@@ -10,16 +10,19 @@
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/dof_map.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/newton.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/predict/check_query_range.h>
+#include <lefort/predict/face_lips.h>
 #include <lefort/predict/face_model.h>
 #include <lefort/predict/face_prediction.h>
 #include <lefort/predict/lip_contact.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/weighted_contacts.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -60,7 +63,7 @@ class FaceBody {
 
   /// Finds the equilibrium at `X_LB`.
   ///
-  /// \param last           the last equilibrium.
+  /// \param last           the last equilibrium, where the lips are paired.
   /// \param X_LB           pose of each segment.
   /// \param start          displacements of all components from which the solve starts [mm].
   /// \param linear_solver  as in fem::solve_newton().
@@ -73,7 +76,8 @@ class FaceBody {
 
   /// Newton iterations towards the equilibrium at `X_LB`, without the checks of an equilibrium.
   ///
-  /// \param start       displacements of all components from which they start [mm].
+  /// \param start       displacements of all components from which they start, and where the lips
+  ///                    are paired [mm].
   /// \param iterations  max number, >= 1.
   [[nodiscard]] fem::NewtonOutcome approach(const std::vector<RigidTransform>& X_LB,
                                             const VectorX& start, int iterations,
@@ -123,7 +127,10 @@ class FaceBody {
   [[nodiscard]] contact::WeightedContactTerm::Options weighted_options() const;
   void note_rest_penetration(double inside_mm, const std::string& bone, Progress& progress);
   void add_supports(const std::vector<contact::RigidObstacle>& bones);
-  [[nodiscard]] Result<void> make_assembler();
+  [[nodiscard]] Result<fem::DofMap> make_dofs() const;
+  void make_assembler(fem::DofMap dofs);
+  /// Finds the points of contact of the lips at displacements `u`.
+  void update_lips(const VectorX& u);
   /// Solves with contact by quadrature; rejects an equilibrium by ContactTerm::rejection_reason().
   [[nodiscard]] fem::NewtonOutcome solve_with_quadrature(
       const FaceEquilibrium& last, const VectorX& start,
@@ -147,6 +154,7 @@ class FaceBody {
   std::vector<contact::SupportTerm> segment_supports_;     ///< One for each segment.
   std::vector<std::vector<double>> motion_fractions_;      ///< Of their supports.
   std::vector<contact::SupportTerm> stationary_supports_;  ///< On bone and planes.
+  std::array<LipSurface, 2> lip_surfaces_;                 ///< Empty if they are not separated.
   std::optional<LipContact> lips_;                         ///< If they are separated.
   std::optional<fem::Assembler> assembler_;
   double stiffness_mpa_per_mm_ = 0.0;  ///< k_c; 0 without contact.

@@ -1,48 +1,52 @@
 /// \file
-/// Contact of the lips with each other, without friction: node to node. Their tone closes them.
+/// Contact of the lips with each other, without friction. Their tone closes them.
 ///
-/// For a pair of nodes at the same position at rest, with area A and normal n from the lower lip to
-/// the upper one (\cite francavilla1975):
+/// Both nodes of each pair touch the surface of the other lip: node to surface in two half passes
+/// (face_lips.h). For a node x_0 of area A, and the point sum_i N_i x_i of the other lip that it
+/// faces, with normal n:
 ///
-///   e = n . (x_upper - x_lower)               opening
+///   e = n . (x_0 - sum_i N_i x_i) - e_r       opening; e_r: where the lips touch
 ///   W = A/2 k_c e^2          e < e_0          pressure k_c |e|; on bone it is 2 k_c d
 ///   W = A t (e - e_0 / 2)    e >= e_0         traction t, the resting tone; e_0 = t / k_c
 ///
 /// At rest the tone presses the lips on each other, so that it has no effect until they open.
-/// n is that at rest: motion perpendicular to n meets no resistance. After a slip s on a surface of
-/// curvature kappa the opening is in error by about kappa s^2 / 2 (docs/theory/interface.md).
-/// Lips that slide on each other, with face-to-face contact: \cite kim2021.
+/// Points and normals are found at the last equilibrium and stay fixed within a load increment: an
+/// increment of slip s on a surface of curvature kappa changes e by about kappa s^2 / 2. Lips that
+/// slide on each other, with face-to-face contact: \cite kim2021.
 #pragma once
 
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
+#include <lefort/predict/face_lips.h>
 #include <lefort/predict/separate_lips.h>
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace lefort::predict {
 
-/// An item is a pair of nodes.
+/// An item is a node of a lip and the triangle of the other lip that it faces.
 class LipContact final : public fem::ForceTerm {
  public:
-  /// \param pairs                 of the lips.
+  /// \param points                of the lips.
   /// \param stiffness_mpa_per_mm  k_c > 0.
   /// \param tone_mpa              t >= 0.
-  LipContact(std::vector<LipPair> pairs, double stiffness_mpa_per_mm, double tone_mpa);
+  LipContact(std::vector<FacingPoint> points, double stiffness_mpa_per_mm, double tone_mpa);
 
-  [[nodiscard]] Index item_count() const override { return Index(pairs_.size()); }
+  /// Replaces the points if they couple the same nodes.
+  /// \returns false if they do not; then nothing changes.
+  [[nodiscard]] bool replace(const std::vector<FacingPoint>& points);
+
+  [[nodiscard]] Index item_count() const override { return Index(points_.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
-    return nodes_[std::size_t(item)];
+    return points_[std::size_t(item)].nodes;
   }
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
  private:
-  std::vector<LipPair> pairs_;
-  std::vector<std::array<std::int32_t, 2>> nodes_;
+  std::vector<FacingPoint> points_;
   double stiffness_mpa_per_mm_;
   double tone_mpa_;
 };
@@ -51,14 +55,15 @@ class LipContact final : public fem::ForceTerm {
 struct LipStatistics {
   double max_overlap_mm = 0.0;   ///< Of -e; 0 if there is none.
   double max_opening_mm = 0.0;   ///< Of e; 0 if there is none.
-  double max_slip_mm = 0.0;      ///< Perpendicular to n.
+  double max_slip_mm = 0.0;      ///< Of the nodes of a pair, perpendicular to their normal at rest.
   double closed_fraction = 1.0;  ///< Of the area: e <= kLipsClosed_mm.
 };
 inline constexpr double kLipsClosed_mm = 0.1;
 
-/// \param lips             with pairs.
+/// \param tissue           with the sets of the lips.
+/// \param lips             separated.
 /// \param displacement_mm  one per node of the tissue.
-[[nodiscard]] LipStatistics lip_statistics(const LipSlit& lips,
+[[nodiscard]] LipStatistics lip_statistics(const mesh::VolumeMesh& tissue, const LipSlit& lips,
                                            std::span<const Vec3> displacement_mm);
 
 }  // namespace lefort::predict

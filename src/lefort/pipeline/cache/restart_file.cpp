@@ -19,7 +19,7 @@ namespace {
 
 // Raise with every change of the solver or of contact that may change the result of a step, and of
 // this file's layout.
-constexpr double kStepsRevision = 16;
+constexpr double kStepsRevision = 17;
 
 constexpr std::string_view kMagic = "lefort restart 4\n";
 constexpr std::size_t kHashDigits = 64;

@@ -38,9 +38,10 @@ Json supports_json(const contact::SupportStatistics& supports) {
           {"max_compression_mm", supports.max_compression_mm}};
 }
 
-Json lips_json(const predict::LipSlit& lips, const std::vector<Vec3>& displacement_mm) {
-  if (!lips.is_separated()) return nullptr;
-  const predict::LipStatistics statistics = predict::lip_statistics(lips, displacement_mm);
+Json lips_json(const predict::FaceModel& model, const std::vector<Vec3>& displacement_mm) {
+  if (!model.lips.is_separated()) return nullptr;
+  const predict::LipStatistics statistics =
+      predict::lip_statistics(model.tissue, model.lips, displacement_mm);
   return {{"max_overlap_mm", statistics.max_overlap_mm},
           {"max_opening_mm", statistics.max_opening_mm},
           {"max_slip_mm", statistics.max_slip_mm},
@@ -60,7 +61,7 @@ Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared
   if (prepared.model.stationary_bone)
     json["stationary_bone_contact"] = contact_json(step.stationary_contact);
   json["stationary_bone_supports"] = supports_json(step.stationary_supports);
-  json["lips"] = lips_json(prepared.model.lips, step.displacement_mm);
+  json["lips"] = lips_json(prepared.model, step.displacement_mm);
   json["max_displacement_mm"] = max_mm;
   json["min_volume_ratio"] = step.min_J;
   json["residual_n"] = step.residual_n;
