@@ -41,6 +41,19 @@ struct ContactStatistics {
 /// which is not less than that of the whole area.
 [[nodiscard]] ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b);
 
+/// Largest penetration increase that is accepted at the end of a path.
+struct PenetrationLimits {
+  double p99_mm = 0.1;
+  double max_mm = 0.3;
+};
+
+/// \returns whether neither the P99 nor the maximum exceeds its limit.
+[[nodiscard]] inline bool is_within(const PenetrationLimits& limits,
+                                    const ContactStatistics& contact) {
+  return contact.p99_penetration_increase_mm <= limits.p99_mm &&
+         contact.max_penetration_increase_mm <= limits.max_mm;
+}
+
 /// Contact at one node of the faces.
 struct NodalContact {
   std::int32_t node = 0;

@@ -37,6 +37,10 @@ struct PredictionStep {
   /// Contact with all segments. Tissue that touches two segments counts for both. The 99th
   /// percentile is the max of the segments', an upper bound of that of all tissue in contact.
   [[nodiscard]] contact::ContactStatistics contact() const;
+  /// The same with the segments and stationary bone.
+  [[nodiscard]] contact::ContactStatistics contact_of_all_bones() const {
+    return contact::combine(contact(), stationary_contact);
+  }
 
   /// Of all attempts.
   [[nodiscard]] Index newton_iterations() const {

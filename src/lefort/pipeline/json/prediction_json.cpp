@@ -70,6 +70,15 @@ Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared
   return json;
 }
 
+/// Limits of the penetration increase into all bones, and whether the last step is within them.
+Json penetration_limits_json(const predict::FacePrediction& prediction) {
+  constexpr contact::PenetrationLimits kLimits;
+  Json json{{"p99_mm", kLimits.p99_mm}, {"max_mm", kLimits.max_mm}, {"is_within", nullptr}};
+  if (!prediction.steps.empty())
+    json["is_within"] = contact::is_within(kLimits, prediction.steps.back().contact_of_all_bones());
+  return json;
+}
+
 Json overlap_json(const predict::BoneOverlapAtFraction& pair) {
   return {{"path_fraction", pair.path_fraction},
           {"first", pair.first},
@@ -292,6 +301,7 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
       {"mesh", mesh_summary(prepared)},
       {"bone_overlap", overlaps},
       {"rest_penetration_mm", prediction.rest_penetration_mm},
+      {"penetration_limits", penetration_limits_json(prediction)},
       {"skin",
        {{"max_shift_mm", skin.max_mm}, {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
       {"steps", steps}};

@@ -250,6 +250,19 @@ std::vector<ExplainedRatio> explain_ratios(const PreparedCase& prepared,
   return explained;
 }
 
+/// Warns of penetration beyond its limits at the end of the path.
+void note_penetration(const predict::PredictionStep& last, Progress& progress) {
+  constexpr contact::PenetrationLimits kLimits;
+  const contact::ContactStatistics contact = last.contact_of_all_bones();
+  if (contact::is_within(kLimits, contact)) return;
+  progress.note(fmt::format(
+      "warning: at the end of the path the penetration increase is P99 {:.2f} mm, max {:.2f} mm, "
+      "more than the limits of {:g} and {:g} mm; contact.stiffness_factor or smaller elements "
+      "reduce it",
+      contact.p99_penetration_increase_mm, contact.max_penetration_increase_mm, kLimits.p99_mm,
+      kLimits.max_mm));
+}
+
 Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
                            const SolvedPath& solved, const std::string& plan_text,
                            const StageCache& cache, StageTimer& progress) {
@@ -283,6 +296,7 @@ Result<Summary> write_face(const PredictJob& job, const PreparedCase& prepared,
   report.tables.insert(report.tables.begin(), std::make_move_iterator(tables.begin()),
                        std::make_move_iterator(tables.end()));
   LEFORT_TRY_VOID(write_documents(job.output, report, pictures, prepared.quality, plan_text, json));
+  note_penetration(last, progress);
   Summary summary;
   summary.text = fmt::format(
       "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",

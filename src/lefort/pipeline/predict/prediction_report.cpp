@@ -272,17 +272,24 @@ void add_pictures(std::span<const PredictionPicture> pictures, report::CaseRepor
   }
 }
 
+std::string penetration_in_words(const contact::ContactStatistics& contact) {
+  constexpr contact::PenetrationLimits kLimits;
+  return fmt::format("{:.2f} and {:.2f} mm ({} the limits of {:g} and {:g} mm)",
+                     contact.p99_penetration_increase_mm, contact.max_penetration_increase_mm,
+                     contact::is_within(kLimits, contact) ? "within" : "exceeds", kLimits.p99_mm,
+                     kLimits.max_mm);
+}
+
 std::vector<report::KeyNumber> key_numbers(const PreparedCase& prepared,
                                            const predict::FacePrediction& prediction,
                                            const predict::SkinDisplacementStatistics& skin) {
   if (prediction.steps.empty()) return {};
-  const contact::ContactStatistics contact = prediction.steps.back().contact();
-  return {
-      {"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
-      {"mean displacement where the skin moved by more than 0.5 mm",
-       fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
-      {"max penetration increase", fmt::format("{:.2f} mm", contact.max_penetration_increase_mm)},
-      {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
+  const contact::ContactStatistics contact = prediction.steps.back().contact_of_all_bones();
+  return {{"max skin displacement", fmt::format("{:.1f} mm", skin.max_mm)},
+          {"mean displacement where the skin moved by more than 0.5 mm",
+           fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
+          {"penetration increase, P99 and max", penetration_in_words(contact)},
+          {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
 }
 
 std::vector<report::ReportTable> all_tables(const PreparedCase& prepared,
