@@ -40,6 +40,7 @@ int run_command(int argc, char** argv) {
   add_segment_command(cli, context);
   add_field_command(cli, context);
   add_landmarks_command(cli, context);
+  add_dental_command(cli, context);
   add_plan_command(cli, context);
   add_predict_command(cli, context);
   add_compare_command(cli, context);

@@ -40,6 +40,7 @@ void add_field_command(CLI::App& cli, CommandContext& context);
 void add_bench_command(CLI::App& cli, CommandContext& context);
 void add_landmarks_command(CLI::App& cli, CommandContext& context);
 void add_plan_command(CLI::App& cli, CommandContext& context);
+void add_dental_command(CLI::App& cli, CommandContext& context);
 void add_compare_command(CLI::App& cli, CommandContext& context);
 void add_predict_command(CLI::App& cli, CommandContext& context);
 void add_run_command(CLI::App& cli, CommandContext& context);

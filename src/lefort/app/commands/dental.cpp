@@ -1,0 +1,87 @@
+#include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
+#include <lefort/pipeline/dental.h>
+
+#include <memory>
+
+namespace lefort::app {
+namespace {
+
+void add_register(CLI::App& dental, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::RegisterArchesJob>();
+  CLI::App* const command = dental.add_subcommand(
+      "register", "Register intraoral scans with the crowns in a CT, without clicks");
+  mark_path(command->add_option("ct", job->ct, "The CT: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option("--upper", job->upper, "Intraoral scan of the upper jaw, in mm"),
+            PathKind::kSurface);
+  mark_path(command->add_option("--lower", job->lower, "Intraoral scan of the lower jaw, in mm"),
+            PathKind::kSurface);
+  mark_path(command->add_option(
+                "--labels", job->labels,
+                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
+            PathKind::kLabels);
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for the scans in the frame of the CT and arches.json"),
+            PathKind::kNewFolder)
+      ->required();
+  command->footer(
+      "Example:\n"
+      "  lefort dental register ct.nrrd --upper upper.stl --lower lower.stl -o arches/\n"
+      "Guide: docs/guide/dental.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("dental",
+                [&](Progress& progress) { return pipeline::register_arches(*job, progress); });
+  });
+}
+
+void add_occlusion(CLI::App& dental, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::OcclusionJob>();
+  CLI::App* const command =
+      dental.add_subcommand("occlusion", "Find the maximum intercuspation of two arches");
+  mark_path(command->add_option("upper", job->upper, "Surface of the upper arch"),
+            PathKind::kSurface)
+      ->required();
+  mark_path(
+      command->add_option("lower", job->lower, "Surface of the lower arch, in the same frame"),
+      PathKind::kSurface)
+      ->required();
+  command->add_option("--arches", job->arches,
+                      "arches.json of `lefort dental register`, for the directions of the arches; "
+                      "without it they are those of the patient");
+  command
+      ->add_option("--max-shift", job->options.max_shift_mm,
+                   "Largest shift in the occlusal plane that is searched [mm]")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  command
+      ->add_option("--max-yaw", job->options.max_yaw_deg, "Largest yaw that is searched [degrees]")
+      ->check(CLI::Range(0.0, 30.0))
+      ->capture_default_str();
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for the lower arch in occlusion, contacts and transform"),
+            PathKind::kNewFolder)
+      ->required();
+  command->footer(
+      "Example:\n"
+      "  lefort dental occlusion arches/upper.stl arches/lower.stl --arches arches/arches.json "
+      "-o occlusion/\n"
+      "Guide: docs/guide/dental.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("dental",
+                [&](Progress& progress) { return pipeline::find_arch_occlusion(*job, progress); });
+  });
+}
+
+}  // namespace
+
+void add_dental_command(CLI::App& cli, CommandContext& context) {
+  CLI::App* const dental =
+      cli.add_subcommand("dental", "Intraoral scans in the frame of the CT, occlusion");
+  dental->require_subcommand(1);
+  add_register(*dental, context);
+  add_occlusion(*dental, context);
+}
+
+}  // namespace lefort::app

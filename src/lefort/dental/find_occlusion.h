@@ -1,0 +1,77 @@
+/// \file
+/// Finds the maximum intercuspation of two arches.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/core/types.h>
+#include <lefort/geometry/triangle_mesh.h>
+
+#include <vector>
+
+namespace lefort::dental {
+
+/// Directions of the arches in frame L: unit vectors, perpendicular to each other.
+struct ArchAxes {
+  Vec3 superior_L = Vec3::UnitZ();   ///< Perpendicular to the occlusal plane.
+  Vec3 anterior_L = -Vec3::UnitY();  ///< In the mid-sagittal plane.
+  [[nodiscard]] Vec3 left_L() const { return anterior_L.cross(superior_L); }
+};
+
+struct OcclusionOptions {
+  double max_shift_mm = 6.0;  ///< Largest distance from the start, in the occlusal plane; >= 0.
+  double max_yaw_deg = 9.0;   ///< Largest rotation about the superior direction, of the search.
+};
+
+/// Contact of the arches in occlusion.
+struct OcclusalContacts {
+  double left_mm2 = 0.0, right_mm2 = 0.0;  ///< Area of lower teeth within kContactGap_mm.
+  Index patches = 0;                       ///< Connected patches of these areas.
+  double max_penetration_mm = 0.0;
+};
+inline constexpr double kContactGap_mm = 0.2;
+inline constexpr double kMaxOcclusalPenetration_mm = 0.1;
+
+/// An occlusion.
+struct Occlusion {
+  RigidTransform X_L_lower = RigidTransform::Identity();  ///< Movement of the lower arch.
+  OcclusalContacts contacts;
+  /// Of the edges of the central incisors, upper relative to lower [mm]: to anterior and to
+  /// inferior (overbite), edge to edge.
+  double overjet_mm = 0.0, overbite_mm = 0.0;
+  /// Gap of each vertex of the lower arch [mm], negative if it penetrates; NaN further than 3 mm
+  /// from the upper one.
+  std::vector<double> gaps_mm;
+};
+
+/// Moves the lower arch to the position in which it touches the upper one in as large an area as
+/// possible, without penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010,
+/// \cite chang2010, \cite deng2020).
+///
+/// From each start of a grid of shifts and yaws the distances between facing surfaces are
+/// minimized, from both arches, with weights of Geman and McClure that become narrower and a
+/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. The end
+/// with the largest contact area wins.
+///
+/// \param upper_L   crowns of the upper arch; open or closed.
+/// \param lower_L   crowns of the lower arch at the start.
+/// \param axes      of the arches.
+/// \param options   range of the search.
+/// \returns the occlusion, or
+///   - kInvalidArgument  an option is out of range, or a surface is unusable;
+///   - kNotConverged     the arches do not face each other: fewer than 50 vertices are within 4 mm;
+///   - kCancelled        `progress` requested a stop.
+/// \note Same bits for any number of threads.
+[[nodiscard]] Result<Occlusion> find_occlusion(const geometry::TriangleMesh& upper_L,
+                                               const geometry::TriangleMesh& lower_L,
+                                               const ArchAxes& axes,
+                                               const OcclusionOptions& options = {},
+                                               Progress& progress = Progress::none());
+
+/// \param X_L_lower  position of the lower arch.
+/// \returns the contacts and distances there.
+[[nodiscard]] Occlusion measure_occlusion(const geometry::TriangleMesh& upper_L,
+                                          const geometry::TriangleMesh& lower_L,
+                                          const RigidTransform& X_L_lower, const ArchAxes& axes);
+
+}  // namespace lefort::dental

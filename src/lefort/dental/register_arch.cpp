@@ -1,0 +1,404 @@
+#include <lefort/compare/register_surface.h>
+#include <lefort/core/decompositions.h>
+#include <lefort/core/parallel.h>
+#include <lefort/core/units.h>
+#include <lefort/dental/register_arch.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/geometry/mesh_properties.h>
+#include <lefort/geometry/rigid_motion.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace lefort::dental {
+namespace {
+
+using geometry::Bvh;
+using geometry::TriangleMesh;
+
+constexpr double kMinLength_mm = 25.0, kMaxLength_mm = 150.0;
+constexpr double kCounterpart_mm = 1.0;
+/// A registration is accepted up to this RMS: a voxel of 0.5 mm and the wear of an impression.
+constexpr double kMaxRms_mm = 0.5;
+/// At least so much of the crowns has a counterpart; the rest may be metal or cropped.
+constexpr double kMinFraction = 0.4;
+constexpr double kMaxScaleError = 0.015;
+/// Another jaw or the mirror image fits better if its RMS is below this fraction.
+constexpr double kClearlyBetter = 0.8;
+constexpr int kTurns = 24;
+/// Crowns within this angle of the anterior direction, seen from the middle of the arch.
+constexpr double kAnterior_deg = 50.0;
+
+Result<void> check_length(const TriangleMesh& scan) {
+  const double length_mm = geometry::bounding_box(scan).diagonal().norm();
+  if (length_mm >= kMinLength_mm && length_mm <= kMaxLength_mm) return {};
+  for (const auto& [factor, unit] : {std::pair{1000.0, "meters"},
+                                     {25.4, "inches"},
+                                     {10.0, "centimeters"},
+                                     {0.001, "micrometers"}})
+    if (length_mm * factor >= kMinLength_mm && length_mm * factor <= kMaxLength_mm)
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("the intraoral scan is {:.3g} mm long, must be {:g} to {:g}; its unit "
+                      "may be {}: convert it to mm",
+                      length_mm, kMinLength_mm, kMaxLength_mm, unit));
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the intraoral scan is {:.3g} mm long, must be {:g} to {:g}", length_mm,
+                          kMinLength_mm, kMaxLength_mm));
+}
+
+/// Area, its center, the vector area, and the axis of least variance.
+struct AreaMoments {
+  double mm2 = 0.0;
+  Vec3 center = Vec3::Zero();
+  Vec3 vector_mm2 = Vec3::Zero();
+  Vec3 thin = Vec3::UnitZ();
+};
+
+AreaMoments moments_of(const TriangleMesh& mesh) {
+  AreaMoments all;
+  Mat3 second = Mat3::Zero();
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+    const Vec3 vector = 0.5 * (b - a).cross(c - a);
+    const Vec3 middle = (a + b + c) / 3.0;
+    all.mm2 += vector.norm();
+    all.vector_mm2 += vector;
+    all.center += vector.norm() * middle;
+    second += vector.norm() * middle * middle.transpose();
+  }
+  if (all.mm2 > 0.0) {
+    all.center /= all.mm2;
+    all.thin = symmetric_eigen(Mat3(second / all.mm2 - all.center * all.center.transpose()))
+                   .vectors.col(0);
+  }
+  return all;
+}
+
+Mat3 axes_from(const Vec3& first, const Vec3& about) {
+  Mat3 axes;
+  axes.col(0) = first;
+  axes.col(1) = about.cross(first);
+  axes.col(2) = about;
+  return axes;
+}
+
+/// Initial alignments of crowns with a scan.
+std::vector<RigidTransform> alignments(const Crowns& crowns, const TriangleMesh& scan) {
+  const AreaMoments moments = moments_of(scan);
+  constexpr double kOpen = 0.1;  // Of the vector area of an open surface, relative to its area.
+  std::vector<Vec3> directions{moments.thin, -moments.thin};
+  if (moments.vector_mm2.norm() > kOpen * moments.mm2) {
+    const Vec3 outward = moments.vector_mm2.normalized();
+    directions = {outward.dot(moments.thin) > 0.0 ? moments.thin : Vec3(-moments.thin), outward};
+  }
+  const Vec3 crown_center = moments_of(crowns.surface_L).center;
+  const Mat3 here = axes_from(crowns.anterior_L, crowns.occlusal_L);
+  std::vector<RigidTransform> starts;
+  for (const Vec3& direction : directions) {
+    const Vec3 any = direction.unitOrthogonal();
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const double angle = 2.0 * std::numbers::pi * turn / kTurns;
+      const Vec3 front = std::cos(angle) * any + std::sin(angle) * direction.cross(any);
+      RigidTransform X = RigidTransform::Identity();
+      X.linear() = axes_from(front, direction) * here.transpose();
+      X.translation() = moments.center - X.linear() * crown_center;
+      starts.push_back(X);
+    }
+  }
+  return starts;
+}
+
+/// Alignments about one: turned about the occlusal direction and shifted along the arch, because
+/// teeth of similar size also fit beside each other.
+std::vector<RigidTransform> alignments_near(const RigidTransform& X, const Crowns& crowns) {
+  constexpr double kTurn_deg = 8.0, kShift_mm = 4.0;
+  const Vec3 up = X.linear() * crowns.occlusal_L, front = X.linear() * crowns.anterior_L;
+  std::vector<RigidTransform> starts{X};
+  for (int turn = -1; turn <= 1; ++turn)
+    for (int ahead = -1; ahead <= 1; ++ahead)
+      for (int aside = -1; aside <= 1; ++aside)
+        starts.push_back(geometry::rigid_motion(
+                             kShift_mm * (ahead * front + aside * up.cross(front)),
+                             radians_from_degrees(turn * kTurn_deg) * up, X * crowns.center_L) *
+                         X);
+  return starts;
+}
+
+/// A point of the crowns with its normal.
+struct CrownPoint {
+  Vec3 point, normal;
+};
+
+std::vector<CrownPoint> points_of(const Crowns& crowns, Index maximum) {
+  const TriangleMesh& mesh = crowns.surface_L;
+  const geometry::Pseudonormals normals(mesh);
+  const Index stride = std::max<Index>((mesh.vertex_count() + maximum - 1) / maximum, 1);
+  std::vector<CrownPoint> points;
+  for (Index v = 0; v < mesh.vertex_count(); v += stride)
+    points.push_back({mesh.vertices[std::size_t(v)], normals.at_vertex(mesh, v)});
+  return points;
+}
+
+/// An alignment and its distance.
+struct Alignment {
+  RigidTransform X = RigidTransform::Identity();
+  double median_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Few iterations with few points: point to plane \cite chen1992, with Tukey's weights.
+Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& scan,
+                           const Vec3& center, RigidTransform X) {
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  using Mat6 = Eigen::Matrix<double, 6, 6>;
+  constexpr int kIterations = 15;
+  constexpr double kRadius_mm = 20.0, kTukeyWidth = 4.685 * 1.4826, kMinWidth_mm = 0.3;
+  Alignment now{X};
+  for (int n = 0; n < kIterations; ++n) {
+    std::vector<double> off(points.size(), std::numeric_limits<double>::infinity());
+    std::vector<Vec6> rows(points.size(), Vec6::Zero());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 p = now.X * points[i].point;
+      const auto nearest = scan.closest_point(p);
+      if (!nearest) continue;
+      const Vec3 there =
+          scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
+      if (!(there.dot(now.X.linear() * points[i].normal) > 0.3)) continue;
+      off[i] = there.dot(p - nearest->point);
+      rows[i] << (p - now.X * center).cross(there) / kRadius_mm, there;
+    }
+    std::vector<double> sizes;
+    for (const double d : off) sizes.push_back(std::abs(d));
+    const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    now.median_mm = *middle;
+    const double width_mm =
+        std::isfinite(now.median_mm) ? std::max(kTukeyWidth * now.median_mm, kMinWidth_mm) : 10.0;
+    Mat6 A = Mat6::Identity() * 1e-3;
+    Vec6 b = Vec6::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!(std::abs(off[i]) < width_mm)) continue;
+      const double u = off[i] / width_mm, w = (1.0 - u * u) * (1.0 - u * u);
+      A += w * rows[i] * rows[i].transpose();
+      b -= w * off[i] * rows[i];
+    }
+    const Vec6 step = A.ldlt().solve(b);
+    now.X =
+        geometry::rigid_motion(step.tail<3>(), step.head<3>() / kRadius_mm, now.X * center) * now.X;
+  }
+  return now;
+}
+
+/// \returns the ends from all starts, the closest first.
+std::vector<Alignment> search(const Crowns& crowns, const Bvh& scan,
+                              const std::vector<RigidTransform>& starts) {
+  const std::vector<CrownPoint> points = points_of(crowns, 300);
+  std::vector<Alignment> ends(starts.size());
+  parallel_for(
+      Index(starts.size()),
+      [&](Index n) {
+        ends[std::size_t(n)] =
+            iterate_coarsely(points, scan, crowns.center_L, starts[std::size_t(n)]);
+      },
+      1);
+  std::stable_sort(ends.begin(), ends.end(), [](const Alignment& a, const Alignment& b) {
+    return a.median_mm < b.median_mm;
+  });
+  return ends;
+}
+
+TriangleMesh reversed(TriangleMesh mesh) {
+  for (geometry::Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+/// The mirror image, counter-clockwise again.
+TriangleMesh mirrored(TriangleMesh mesh) {
+  for (Vec3& p : mesh.vertices) p.x() = -p.x();
+  return reversed(std::move(mesh));
+}
+
+Result<compare::Registration> fit(const Crowns& crowns, const TriangleMesh& mesh, const Bvh& scan,
+                                  Progress& progress) {
+  constexpr std::size_t kCandidates = 2;
+  std::vector<Alignment> ends = search(crowns, scan, alignments(crowns, mesh));
+  std::vector<RigidTransform> near;
+  for (std::size_t n = 0; n < std::min(kCandidates, ends.size()); ++n)
+    for (const RigidTransform& X : alignments_near(ends[n].X, crowns)) near.push_back(X);
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the registration was cancelled");
+  const std::array<RigidTransform, 1> best{search(crowns, scan, near).front().X};
+  return compare::register_surface(crowns.surface_L, scan, best,
+                                   {.max_points = 8000, .max_median_mm = kMaxRms_mm}, progress);
+}
+
+/// Signed distance of each vertex of the crowns, NaN without a counterpart.
+std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const RigidTransform& X) {
+  const TriangleMesh& mesh = crowns.surface_L;
+  const geometry::Pseudonormals normals(mesh);
+  std::vector<double> distances(mesh.vertices.size(), std::numeric_limits<double>::quiet_NaN());
+  parallel_for(mesh.vertex_count(), [&](Index v) {
+    const Vec3 p = X * mesh.vertices[std::size_t(v)];
+    const auto nearest = scan.closest_point(p, kCounterpart_mm);
+    if (!nearest) return;
+    const Vec3 there =
+        scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
+    if (!(there.dot(X.linear() * normals.at_vertex(mesh, v)) > 0.5)) return;
+    distances[std::size_t(v)] = there.dot(p - nearest->point);
+  });
+  return distances;
+}
+
+template <class Filter>
+CrownDistances summarize(const Crowns& crowns, const std::vector<double>& distances_mm,
+                         const Filter& belongs) {
+  std::vector<double> sizes;
+  double squared = 0.0;
+  Index all = 0;
+  for (std::size_t v = 0; v < distances_mm.size(); ++v) {
+    if (!belongs(crowns.surface_L.vertices[v])) continue;
+    ++all;
+    if (std::isnan(distances_mm[v])) continue;
+    sizes.push_back(std::abs(distances_mm[v]));
+    squared += distances_mm[v] * distances_mm[v];
+  }
+  CrownDistances sum{.points = Index(sizes.size())};
+  if (sizes.empty()) return sum;
+  sum.fraction = double(sizes.size()) / double(all);
+  sum.rms_mm = std::sqrt(squared / double(sizes.size()));
+  const auto p95 = sizes.begin() + std::ptrdiff_t(0.95 * double(sizes.size() - 1));
+  std::nth_element(sizes.begin(), p95, sizes.end());
+  sum.p95_mm = *p95;
+  return sum;
+}
+
+Sextant sextant_of(const Crowns& crowns, const Vec3& p_L) {
+  const Vec3 arm = p_L - crowns.center_L;
+  const Vec3 left = Vec3::UnitX();
+  const double ahead = arm.dot(crowns.anterior_L), aside = arm.dot(left);
+  if (ahead > 0.0 && std::abs(aside) < std::tan(radians_from_degrees(kAnterior_deg)) * ahead)
+    return Sextant::kAnterior;
+  return aside > 0.0 ? Sextant::kLeft : Sextant::kRight;
+}
+
+void measure(const Crowns& crowns, const Bvh& scan, const RigidTransform& X, ArchFit& found) {
+  found.X_L_scan = X.inverse();
+  found.distances_mm = distances_of(crowns, scan, X);
+  found.all = summarize(crowns, found.distances_mm, [](const Vec3&) { return true; });
+  for (const Sextant sextant : {Sextant::kRight, Sextant::kAnterior, Sextant::kLeft})
+    found.sextants[std::size_t(sextant)] =
+        summarize(crowns, found.distances_mm,
+                  [&](const Vec3& p_L) { return sextant_of(crowns, p_L) == sextant; });
+}
+
+/// RMS of the distances of the best fit; infinite without one.
+double rms_of_fit(const Crowns& crowns, const TriangleMesh& scan, Progress& progress) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Bvh tree(scan);
+  const auto found = fit(crowns, scan, tree, progress);
+  if (!found) return kNone;
+  ArchFit arch;
+  measure(crowns, tree, found->X_onto_from, arch);
+  return arch.all.fraction < kMinFraction ? kNone : arch.all.rms_mm;
+}
+
+/// Scale of the crowns about their center that fits the scan best: a seventh unknown beside the
+/// six motions, from the linearized distances along the normals.
+double scale_of(const Crowns& crowns, const Bvh& scan, RigidTransform X) {
+  using Mat7 = Eigen::Matrix<double, 7, 7>;
+  using Vec7 = Eigen::Matrix<double, 7, 1>;
+  constexpr double kRadius_mm = 20.0;  // Makes the unknowns comparable.
+  double scale = 1.0;
+  TriangleMesh scaled = crowns.surface_L;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    const Crowns now{.surface_L = scaled};
+    const std::vector<double> off = distances_of(now, scan, X);
+    const Vec3 center = X * crowns.center_L;
+    Mat7 A = Mat7::Identity() * 1e-9;
+    Vec7 b = Vec7::Zero();
+    for (std::size_t v = 0; v < off.size(); ++v) {
+      if (std::isnan(off[v])) continue;
+      const Vec3 p = X * scaled.vertices[v];
+      const auto nearest = scan.closest_point(p, kCounterpart_mm);
+      if (!nearest) continue;
+      const Vec3 n =
+          scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
+      const Vec3 arm = p - center;
+      Vec7 row;
+      row << arm.cross(n) / kRadius_mm, n, arm.dot(n) / kRadius_mm;
+      A += row * row.transpose();
+      b -= off[v] * row;
+    }
+    const Vec7 step = A.ldlt().solve(b);
+    X = geometry::rigid_motion(step.segment<3>(3), step.head<3>() / kRadius_mm, center) * X;
+    const double factor = 1.0 + step[6] / kRadius_mm;
+    scale *= factor;
+    for (Vec3& p : scaled.vertices) p = crowns.center_L + factor * (p - crowns.center_L);
+    if (std::abs(factor - 1.0) < 1e-5) break;
+  }
+  return 1.0 / scale;
+}
+
+Result<void> check_alternatives(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
+                                double rms_mm, Progress& progress) {
+  if (other && rms_of_fit(*other, scan, progress) < kClearlyBetter * rms_mm)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the intraoral scan of the {} jaw fits the {} teeth: the files may be "
+                            "swapped",
+                            name_of(crowns.jaw), name_of(other->jaw)));
+  if (rms_of_fit(crowns, mirrored(scan), progress) < kClearlyBetter * rms_mm)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the mirror image of the intraoral scan fits the {} teeth: it is "
+                            "mirrored, or of another patient",
+                            name_of(crowns.jaw)));
+  return {};
+}
+
+}  // namespace
+
+Result<ArchFit> register_arch(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
+                              Progress& progress) {
+  LEFORT_TRY_VOID(geometry::check_surface(scan));
+  LEFORT_TRY_VOID(check_length(scan));
+  ArchFit found;
+  const Bvh tree(scan);
+  auto registration = fit(crowns, scan, tree, progress);
+  if (!registration && registration.error().code == ErrorCode::kCancelled)
+    return tl::unexpected(std::move(registration).error());
+  if (registration) measure(crowns, tree, registration->X_onto_from, found);
+  const bool fits =
+      registration && found.all.rms_mm <= kMaxRms_mm && found.all.fraction >= kMinFraction;
+  const double rms_mm = fits ? found.all.rms_mm : std::numeric_limits<double>::infinity();
+  LEFORT_TRY_VOID(check_alternatives(scan, crowns, other, rms_mm, progress));
+  if (!fits) {
+    const TriangleMesh turned = reversed(scan);
+    if (!found.is_reversed && rms_of_fit(crowns, turned, progress) <= kMaxRms_mm) {
+      LEFORT_TRY(ArchFit again, register_arch(turned, crowns, other, progress));
+      again.is_reversed = true;
+      return again;
+    }
+    return fail(ErrorCode::kNotConverged,
+                registration
+                    ? fmt::format("the intraoral scan does not fit the {} teeth: {:.0f} % of the "
+                                  "crowns have a counterpart, RMS {:.2f} mm; must be {:.0f} % and "
+                                  "{:g} mm",
+                                  name_of(crowns.jaw), 100.0 * found.all.fraction, found.all.rms_mm,
+                                  100.0 * kMinFraction, kMaxRms_mm)
+                    : fmt::format("the intraoral scan does not fit the {} teeth: {}",
+                                  name_of(crowns.jaw), registration.error().message));
+  }
+  found.scale = scale_of(crowns, tree, registration->X_onto_from);
+  if (std::abs(found.scale - 1.0) > kMaxScaleError)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the intraoral scan is scaled: it fits the {} teeth with a factor of "
+                            "{:.3f}, must be 1 within {:g}",
+                            name_of(crowns.jaw), found.scale, kMaxScaleError));
+  return found;
+}
+
+}  // namespace lefort::dental

@@ -1,0 +1,53 @@
+/// \file
+/// Intraoral scans in the frame of the CT, and the occlusion of both arches.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/dental/find_occlusion.h>
+#include <lefort/pipeline/summary.h>
+
+#include <filesystem>
+#include <optional>
+
+namespace lefort::pipeline {
+
+struct RegisterArchesJob {
+  std::filesystem::path ct;                     ///< Anything `lefort import` reads.
+  std::optional<std::filesystem::path> labels;  ///< .seg.nrrd; segmented unless given.
+  std::optional<std::filesystem::path> upper;   ///< Intraoral scan of the upper jaw [mm].
+  std::optional<std::filesystem::path> lower;   ///< The same of the lower jaw.
+  std::filesystem::path output;                 ///< A folder; made if missing.
+};
+
+/// Registers intraoral scans with the crowns in a CT. Of each jaw writes `upper.stl` (the scan in
+/// frame L), `upper.tfm` (its motion), `upper_crowns.vtp` (crowns of the CT with the distance to
+/// the scan), and for both `arches.json`.
+///
+/// \returns the summary, or
+///   - kInvalidArgument  no intraoral scan is given, or see dental::register_arch();
+///   - the errors of scan_labels(), io::read_surface(), dental::find_crowns() and
+///     dental::register_arch(); then nothing is written;
+///   - kFileUnwritable   a result cannot be written.
+[[nodiscard]] Result<Summary> register_arches(const RegisterArchesJob& job, Progress& progress);
+
+struct OcclusionJob {
+  std::filesystem::path upper;  ///< Surface of the upper arch in frame L.
+  std::filesystem::path lower;  ///< Surface of the lower arch in frame L, at the start.
+  /// arches.json of register_arches(), for the directions; without it those of the patient.
+  std::optional<std::filesystem::path> arches;
+  dental::OcclusionOptions options;
+  std::filesystem::path output;  ///< A folder; made if missing.
+};
+
+/// Finds the maximum intercuspation. Writes `lower.stl` (the lower arch there),
+/// `lower_to_occlusion.tfm` (its motion, for the path of a plan), `lower_contacts.vtp` (with the
+/// gap to the upper arch) and `occlusion.json`.
+///
+/// \returns the summary, or
+///   - the errors of io::read_surface() and dental::find_occlusion();
+///   - kFileCorrupt     `arches` is not of its format;
+///   - kFileUnwritable  a result cannot be written.
+[[nodiscard]] Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress);
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,113 @@
+#include <lefort/core/units.h>
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/transform_mesh.h>
+#include <lefort/io/output_folder.h>
+#include <lefort/io/read_text.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/transform_file.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/dental.h>
+#include <lefort/pipeline/json/json_values.h>
+#include <lefort/report/annotate.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxArchesBytes = 1 << 20;
+
+/// Directions from arches.json: the upper arch, or else the lower one.
+Result<dental::ArchAxes> read_axes(const fs::path& file) {
+  LEFORT_TRY(const std::string text, io::read_text(file, kMaxArchesBytes));
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto corrupt = [&](const std::string& what) {
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: {}; make it with `lefort dental register`", file.string(), what));
+  };
+  if (json.is_discarded() || !json.is_object() || json.value("lefort_arches", 0) != 1)
+    return corrupt("not an arches.json of version 1");
+  const bool is_upper = json.contains("upper");
+  const auto arch = json.find(is_upper ? "upper" : "lower");
+  if (arch == json.end()) return corrupt("no jaw");
+  dental::ArchAxes axes;
+  for (const auto& [name, to] :
+       {std::pair{"occlusal", &axes.superior_L}, {"anterior", &axes.anterior_L}}) {
+    const auto at = arch->find(name);
+    if (at == arch->end() || !at->is_array() || at->size() != 3) return corrupt("no directions");
+    for (int i = 0; i < 3; ++i) {
+      const auto& value = (*at)[std::size_t(i)];
+      if (!value.is_number()) return corrupt("a direction is not a number");
+      (*to)[i] = value.get<double>();
+    }
+    if (!to->allFinite() || std::abs(to->norm() - 1.0) > 1e-3)
+      return corrupt("a direction is not of unit length");
+  }
+  if (is_upper) axes.superior_L = -axes.superior_L;
+  if (std::abs(axes.superior_L.dot(axes.anterior_L)) > 1e-3)
+    return corrupt("the directions are not perpendicular");
+  return axes;
+}
+
+/// Movement of the lower arch: translation of its center in the directions of the arches, rotation.
+nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchAxes& axes,
+                             const Vec3& center_L) {
+  const Vec3 shift = found.X_L_lower * center_L - center_L;
+  const Vec3 turn = geometry::rotation_vector(found.X_L_lower.linear());
+  return {{"anterior_mm", shift.dot(axes.anterior_L)},
+          {"left_mm", shift.dot(axes.left_L())},
+          {"superior_mm", shift.dot(axes.superior_L)},
+          {"rotation_deg", degrees_from_radians(turn.norm())}};
+}
+
+}  // namespace
+
+Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress) {
+  LEFORT_TRY(const geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
+  LEFORT_TRY(const geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
+  dental::ArchAxes axes;
+  if (job.arches) {
+    LEFORT_TRY(axes, read_axes(*job.arches));
+  }
+  LEFORT_TRY(const dental::Occlusion found,
+             dental::find_occlusion(upper_L, lower_L, axes, job.options, progress));
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(
+      io::write_surface(job.output / "lower.stl", geometry::transformed(lower_L, found.X_L_lower)));
+  LEFORT_TRY_VOID(io::write_transform(job.output / "lower_to_occlusion.tfm", found.X_L_lower));
+  LEFORT_TRY_VOID(io::write_surface(job.output / "lower_contacts.vtp",
+                                    geometry::transformed(lower_L, found.X_L_lower),
+                                    {{"gap_mm", found.gaps_mm}}));
+  Vec3 center_L = Vec3::Zero();
+  for (const Vec3& p : lower_L.vertices) center_L += p / double(lower_L.vertices.size());
+  const dental::OcclusalContacts& contacts = found.contacts;
+  Summary summary;
+  summary.json = {{"lefort_occlusion", 1},
+                  {"notice", kNotForClinicalUse},
+                  {"pose_4x4_row_major_mm_lps", as_json(found.X_L_lower)},
+                  {"movement", movement_json(found, axes, center_L)},
+                  {"contacts",
+                   {{"left_mm2", contacts.left_mm2},
+                    {"right_mm2", contacts.right_mm2},
+                    {"patches", contacts.patches},
+                    {"max_penetration_mm", contacts.max_penetration_mm}}},
+                  {"overjet_mm", found.overjet_mm},
+                  {"overbite_mm", found.overbite_mm}};
+  summary.text = fmt::format(
+      "{}: contact on {:.1f} mm2 (right {:.1f}, left {:.1f}) in {} patches, penetration {:.2f} mm, "
+      "overjet {:.1f} mm, overbite {:.1f} mm (edge to edge)",
+      job.output.string(), contacts.left_mm2 + contacts.right_mm2, contacts.right_mm2,
+      contacts.left_mm2, contacts.patches, contacts.max_penetration_mm, found.overjet_mm,
+      found.overbite_mm);
+  LEFORT_TRY_VOID(io::write_text(job.output / "occlusion.json", summary.json.dump(1) + "\n"));
+  return summary;
+}
+
+}  // namespace lefort::pipeline

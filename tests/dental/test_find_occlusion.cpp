@@ -1,0 +1,67 @@
+#include <lefort/core/units.h>
+#include <lefort/dental/find_occlusion.h>
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/transform_mesh.h>
+
+#include <gtest/gtest.h>
+
+#include "dental/arch.h"
+
+namespace lefort::dental {
+namespace {
+
+const test::ArchShape kShape{.seed = 3.0};
+
+/// Two arches that touch everywhere in occlusion: it is found from disturbed starts.
+TEST(FindOcclusion, returns_to_the_known_occlusion) {
+  const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  const geometry::TriangleMesh lower_L = test::make_arch({.seed = 3.0, .step_mm = 0.4});
+  const Vec3 center(0.0, 14.0, 4.0);
+  for (int n = 0; n < 3; ++n) {
+    const auto number = [&](double seed) { return 2.0 * test::some_number(seed, n) - 1.0; };
+    const Vec3 shift = Vec3(3.0 * number(1.0), 4.0 * number(2.0), -2.0 + number(3.0));
+    const Vec3 turn =
+        radians_from_degrees(6.0) * Vec3(0.3 * number(4.0), 0.3 * number(5.0), number(6.0));
+    const RigidTransform X = geometry::rigid_motion(shift, turn, center);
+    const auto found = find_occlusion(upper_L, geometry::transformed(lower_L, X), {});
+    ASSERT_TRUE(found) << found.error().message;
+    const RigidTransform error = found->X_L_lower * X;
+    EXPECT_LT((error * center - center).norm(), 0.15) << n;
+    EXPECT_LT(geometry::rotation_vector(error.linear()).norm(), radians_from_degrees(0.3)) << n;
+    EXPECT_LE(found->contacts.max_penetration_mm, kMaxOcclusalPenetration_mm + 1e-9);
+    EXPECT_GT(found->contacts.left_mm2, 100.0);
+    EXPECT_GT(found->contacts.right_mm2, 100.0);
+  }
+}
+
+TEST(FindOcclusion, measures_gaps_and_incisors) {
+  const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  const geometry::TriangleMesh lower_L = test::make_arch(kShape);
+  RigidTransform X = RigidTransform::Identity();
+  X.translation() = Vec3(0.0, 0.0, -1.0);
+  const Occlusion open = measure_occlusion(upper_L, lower_L, X, {});
+  EXPECT_EQ(open.contacts.left_mm2, 0.0);
+  EXPECT_EQ(open.contacts.max_penetration_mm, 0.0);
+  X.translation() = Vec3(0.0, 0.0, 0.3);
+  const Occlusion deep = measure_occlusion(upper_L, lower_L, X, {});
+  EXPECT_GT(deep.contacts.max_penetration_mm, 0.2);
+  EXPECT_LT(deep.contacts.max_penetration_mm, 0.35);  // Both are triangulated differently.
+  X.translation() = Vec3(0.0, 2.0, 0.0);  // The lower arch is 2 mm posterior.
+  EXPECT_NEAR(measure_occlusion(upper_L, lower_L, X, {}).overjet_mm -
+                  measure_occlusion(upper_L, lower_L, RigidTransform::Identity(), {}).overjet_mm,
+              2.0, 1e-9);
+}
+
+TEST(FindOcclusion, refuses_arches_that_do_not_face_each_other) {
+  const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  RigidTransform X = RigidTransform::Identity();
+  X.translation() = Vec3(0.0, 0.0, -60.0);
+  const auto far = find_occlusion(upper_L, geometry::transformed(test::make_arch(kShape), X), {});
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().code, ErrorCode::kNotConverged);
+  EXPECT_FALSE(find_occlusion(upper_L, {}, {}));
+  EXPECT_FALSE(find_occlusion(upper_L, test::make_arch(kShape), {}, {.max_shift_mm = -1.0}));
+}
+
+}  // namespace
+}  // namespace lefort::dental
