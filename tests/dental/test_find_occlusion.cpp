@@ -60,7 +60,7 @@ TEST(FindOcclusion, refuses_arches_that_do_not_face_each_other) {
   ASSERT_FALSE(far);
   EXPECT_EQ(far.error().code, ErrorCode::kNotConverged);
   EXPECT_FALSE(find_occlusion(upper_L, {}, {}));
-  EXPECT_FALSE(find_occlusion(upper_L, test::make_arch(kShape), {}, {.max_shift_mm = -1.0}));
+  EXPECT_FALSE(find_occlusion(upper_L, test::make_arch(kShape), {}, {.shift_mm = -1.0}));
 }
 
 }  // namespace

@@ -24,9 +24,11 @@ using geometry::TriangleMesh;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kReach_mm = 4.0;
+constexpr double kReach_mm = 10.0;
 constexpr double kShownGap_mm = 3.0;
 constexpr Index kMinFacing = 50;
+/// Further away, the search has left the teeth of its start.
+constexpr double kMaxMovement_mm = 9.0;
 /// Makes rotations comparable with translations: half the width of an arch.
 constexpr double kArch_mm = 25.0;
 
@@ -35,8 +37,10 @@ struct Stage {
   double width_mm = 0.0;
   double penalty = 1.0;
   int iterations = 0;
+  bool tilts = true;  ///< Whether the arch may rotate out of the occlusal plane.
 };
-constexpr std::array<Stage, 3> kCoarse{{{2.0, 1.0, 8}, {1.0, 4.0, 8}, {0.5, 10.0, 8}}};
+constexpr std::array<Stage, 5> kCoarse{
+    {{6.0, 1.0, 15, false}, {4.0, 1.0, 10, false}, {2.0, 1.0, 8}, {1.0, 4.0, 8}, {0.5, 10.0, 8}}};
 constexpr std::array<Stage, 3> kFine{{{0.5, 10.0, 15}, {0.25, 40.0, 20}, {0.15, 300.0, 30}}};
 
 /// A point of an arch and the area around it.
@@ -45,8 +49,9 @@ struct ArchPoint {
   double mm2 = 0.0;
 };
 
-/// Every n-th vertex; the area of the others goes with it.
-std::vector<ArchPoint> points_of(const TriangleMesh& mesh, Index maximum) {
+/// Every n-th vertex; the area of the others goes with it. Those that do not face `occlusal` within
+/// 60 degrees are left out: they touch nothing.
+std::vector<ArchPoint> points_of(const TriangleMesh& mesh, const Vec3& occlusal, Index maximum) {
   const geometry::Pseudonormals normals(mesh);
   std::vector<double> mm2(mesh.vertices.size(), 0.0);
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -58,7 +63,7 @@ std::vector<ArchPoint> points_of(const TriangleMesh& mesh, Index maximum) {
   std::vector<ArchPoint> points;
   for (Index v = 0; v < mesh.vertex_count(); v += stride) {
     const Vec3 normal = normals.at_vertex(mesh, v);
-    if (normal.squaredNorm() > 0.0)
+    if (normal.dot(occlusal) > 0.5)
       points.push_back(
           {mesh.vertices[std::size_t(v)], normal, double(stride) * mm2[std::size_t(v)]});
   }
@@ -70,8 +75,8 @@ struct Arch {
   Bvh tree;
   std::vector<ArchPoint> few, many;
 
-  explicit Arch(const TriangleMesh& mesh)
-      : tree(mesh), few(points_of(mesh, 400)), many(points_of(mesh, 5000)) {}
+  Arch(const TriangleMesh& mesh, const Vec3& occlusal)
+      : tree(mesh), few(points_of(mesh, occlusal, 1500)), many(points_of(mesh, occlusal, 10000)) {}
 };
 
 /// The gap of a point over a surface that faces it.
@@ -103,6 +108,7 @@ struct GapSums {
   Mat6 matrix = Mat6::Zero();
   Vec6 vector = Vec6::Zero();
   Index facing = 0;
+  Mat3 rotations = Mat3::Identity();  ///< Projection onto the rotations that are free.
 
   GapSums& operator+=(const GapSums& other) {
     matrix += other.matrix;
@@ -114,7 +120,7 @@ struct GapSums {
   void add(double weight, double gap_mm, const Vec3& moved, const Vec3& direction,
            const Vec3& center) {
     Vec6 row;
-    row << (moved - center).cross(direction) / kArch_mm, direction;
+    row << rotations * (moved - center).cross(direction) / kArch_mm, direction;
     matrix += weight * row * row.transpose();
     vector += weight * gap_mm * row;
     ++facing;
@@ -122,13 +128,16 @@ struct GapSums {
 };
 
 GapSums sum_gaps(const Arch& upper, const Arch& lower, bool all, const RigidTransform& X,
-                 const Vec3& center, const Stage& stage) {
+                 const Vec3& center, const Vec3& superior_L, const Stage& stage) {
   const auto& from_lower = all ? lower.many : lower.few;
   const auto& from_upper = all ? upper.many : upper.few;
   const RigidTransform back = X.inverse();
   const auto count = Index(from_lower.size());
+  const Mat3 rotations =
+      stage.tilts ? Mat3(Mat3::Identity()) : Mat3(superior_L * superior_L.transpose());
   return deterministic_sum(count + Index(from_upper.size()), GapSums{}, [&](Index i) {
     GapSums one;
+    one.rotations = rotations;
     if (i < count) {
       const ArchPoint& at = from_lower[std::size_t(i)];
       const Vec3 p = X * at.point;
@@ -148,12 +157,12 @@ GapSums sum_gaps(const Arch& upper, const Arch& lower, bool all, const RigidTran
 /// Minimizes in stages. \returns nothing if the arches do not face each other.
 std::optional<RigidTransform> minimize(const Arch& upper, const Arch& lower, bool all,
                                        RigidTransform X, const Vec3& center_of_lower,
-                                       std::span<const Stage> stages) {
+                                       const Vec3& superior_L, std::span<const Stage> stages) {
   constexpr double kMaxStep_mm = 2.0, kEnough_mm = 1e-4, kRidge = 1e-6;
   for (const Stage& stage : stages)
     for (int n = 0; n < stage.iterations; ++n) {
       const Vec3 center = X * center_of_lower;
-      GapSums sums = sum_gaps(upper, lower, all, X, center, stage);
+      GapSums sums = sum_gaps(upper, lower, all, X, center, superior_L, stage);
       if (sums.facing < kMinFacing) return std::nullopt;
       sums.matrix += kRidge * sums.matrix.trace() * Mat6::Identity();
       Vec6 step = -sums.matrix.ldlt().solve(sums.vector);
@@ -165,30 +174,43 @@ std::optional<RigidTransform> minimize(const Arch& upper, const Arch& lower, boo
   return X;
 }
 
-/// Area in contact, less where one arch penetrates the other.
-double score_of(const Arch& upper, const Arch& lower, const RigidTransform& X) {
-  return deterministic_sum(Index(lower.few.size()), 0.0, [&](Index i) {
-    const ArchPoint& at = lower.few[std::size_t(i)];
-    const auto faced = gap_over(upper.tree, X * at.point, X.linear() * at.normal, kReach_mm);
-    if (!faced) return 0.0;
-    constexpr double kWidth_mm = 0.4, kPenetration_mm = 0.2;
-    const double r = faced->gap_mm / (faced->gap_mm < 0.0 ? kPenetration_mm : kWidth_mm);
-    return at.mm2 * (1.0 - std::min(r * r, faced->gap_mm < 0.0 ? 4.0 : 1.0));
-  });
+/// Largest distance between two positions of the lower arch, at its middle and its ends.
+double distance_between(const RigidTransform& a, const RigidTransform& b, const Vec3& center,
+                        const ArchAxes& axes) {
+  double max_mm = 0.0;
+  for (const Vec3& arm : {Vec3(kArch_mm * axes.anterior_L), Vec3(kArch_mm * axes.left_L()),
+                          Vec3(-kArch_mm * axes.left_L())})
+    max_mm = std::max(max_mm, (a * (center + arm) - b * (center + arm)).norm());
+  return max_mm;
+}
+
+/// The position that most starts lead to (pose clustering); of equals, the first.
+std::optional<RigidTransform> most_frequent(const std::vector<RigidTransform>& ends,
+                                            const Vec3& center, const ArchAxes& axes) {
+  constexpr double kSame_mm = 1.0;
+  std::optional<RigidTransform> best;
+  Index most = 0;
+  for (const RigidTransform& end : ends) {
+    const auto count =
+        Index(std::count_if(ends.begin(), ends.end(), [&](const RigidTransform& other) {
+          return distance_between(end, other, center, axes) < kSame_mm;
+        }));
+    if (count <= most) continue;
+    most = count;
+    best = end;
+  }
+  return best;
 }
 
 std::vector<RigidTransform> starts_of(const ArchAxes& axes, const OcclusionOptions& options,
                                       const Vec3& center) {
-  constexpr double kShift_mm = 3.0, kYaw_deg = 4.5;
-  const int shifts = int(std::floor(options.max_shift_mm / kShift_mm));
-  const int yaws = int(std::floor(options.max_yaw_deg / kYaw_deg));
   std::vector<RigidTransform> starts;
-  for (int ahead = -shifts; ahead <= shifts; ++ahead)
-    for (int aside = -shifts; aside <= shifts; ++aside)
-      for (int yaw = -yaws; yaw <= yaws; ++yaw)
-        starts.push_back(
-            geometry::rigid_motion(kShift_mm * (ahead * axes.anterior_L + aside * axes.left_L()),
-                                   radians_from_degrees(yaw * kYaw_deg) * axes.superior_L, center));
+  for (const double ahead : {-1.0, 0.0, 1.0})
+    for (const double aside : {-1.0, 0.0, 1.0})
+      for (const double yaw : {-1.0, 0.0, 1.0})
+        starts.push_back(geometry::rigid_motion(
+            options.shift_mm * (ahead * axes.anterior_L + aside * axes.left_L()),
+            radians_from_degrees(yaw * options.yaw_deg) * axes.superior_L, center));
   return starts;
 }
 
@@ -287,32 +309,35 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                                  Progress& progress) {
   LEFORT_TRY_VOID(geometry::check_surface(upper_L));
   LEFORT_TRY_VOID(geometry::check_surface(lower_L));
-  if (!(options.max_shift_mm >= 0.0 && options.max_shift_mm <= 20.0) ||
-      !(options.max_yaw_deg >= 0.0 && options.max_yaw_deg <= 30.0))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the search covers {} mm and {} degrees, must be 0 to 20 and 0 to 30",
-                            options.max_shift_mm, options.max_yaw_deg));
-  const Arch upper(upper_L), lower(lower_L);
+  if (!(options.shift_mm >= 0.0 && options.shift_mm <= 20.0) ||
+      !(options.yaw_deg >= 0.0 && options.yaw_deg <= 30.0))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the starts are {} mm and {} degrees apart, must be 0 to 20 and 0 to 30",
+                    options.shift_mm, options.yaw_deg));
+  const Arch upper(upper_L, -axes.superior_L), lower(lower_L, axes.superior_L);
   const Vec3 center = mean_of(lower_L.vertices);
-  std::optional<RigidTransform> best;
-  double best_mm2 = -std::numeric_limits<double>::infinity();
+  std::vector<RigidTransform> ends;
   const std::vector<RigidTransform> starts = starts_of(axes, options, center);
   for (std::size_t n = 0; n < starts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(double(n) / double(starts.size()));
-    const auto end = minimize(upper, lower, false, starts[n], center, kCoarse);
-    if (!end) continue;
-    const double mm2 = score_of(upper, lower, *end);
-    if (mm2 <= best_mm2) continue;
-    best_mm2 = mm2;
-    best = end;
+    if (const auto end = minimize(upper, lower, false, starts[n], center, axes.superior_L, kCoarse))
+      ends.push_back(*end);
   }
-  if (best) best = minimize(upper, lower, true, *best, center, kFine);
+  std::optional<RigidTransform> best = most_frequent(ends, center, axes);
+  if (best) best = minimize(upper, lower, true, *best, center, axes.superior_L, kFine);
   if (!best)
     return fail(ErrorCode::kNotConverged,
                 fmt::format("the arches do not face each other: fewer than {} vertices are within "
                             "{:g} mm of the other arch",
                             kMinFacing, kReach_mm));
+  const double moved_mm = distance_between(*best, RigidTransform::Identity(), center, axes);
+  if (moved_mm > kMaxMovement_mm)
+    return fail(ErrorCode::kNotConverged,
+                fmt::format("the arches touch best {:.1f} mm from where they are, must be {:g} or "
+                            "less: move the lower arch closer to occlusion",
+                            moved_mm, kMaxMovement_mm));
   return measure_occlusion(upper_L, lower_L, without_penetration(upper_L, lower_L, *best, axes),
                            axes);
 }

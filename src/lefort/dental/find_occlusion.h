@@ -19,8 +19,8 @@ struct ArchAxes {
 };
 
 struct OcclusionOptions {
-  double max_shift_mm = 6.0;  ///< Largest distance from the start, in the occlusal plane; >= 0.
-  double max_yaw_deg = 9.0;   ///< Largest rotation about the superior direction, of the search.
+  double shift_mm = 2.0;  ///< Between starts, in the occlusal plane; 0 to 20.
+  double yaw_deg = 3.0;   ///< Between starts, about the superior direction; 0 to 30.
 };
 
 /// Contact of the arches in occlusion.
@@ -48,18 +48,19 @@ struct Occlusion {
 /// possible, without penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010,
 /// \cite chang2010, \cite deng2020).
 ///
-/// From each start of a grid of shifts and yaws the distances between facing surfaces are
+/// From each of 27 starts around the given position the distances between facing surfaces are
 /// minimized, from both arches, with weights of Geman and McClure that become narrower and a
-/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. The end
-/// with the largest contact area wins.
+/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. The
+/// position that most starts lead to (pose clustering \cite stockman1987) is refined.
 ///
 /// \param upper_L   crowns of the upper arch; open or closed.
 /// \param lower_L   crowns of the lower arch at the start.
 /// \param axes      of the arches.
-/// \param options   range of the search.
+/// \param options   the starts.
 /// \returns the occlusion, or
 ///   - kInvalidArgument  an option is out of range, or a surface is unusable;
-///   - kNotConverged     the arches do not face each other: fewer than 50 vertices are within 4 mm;
+///   - kNotConverged     the arches do not face each other: fewer than 50 vertices are within 10 mm;
+///     or the occlusion that was found is more than 9 mm away;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Occlusion> find_occlusion(const geometry::TriangleMesh& upper_L,

@@ -2,8 +2,8 @@
 /// Contact of the lips with each other, without friction. Their tone closes them.
 ///
 /// Both nodes of each pair touch the surface of the other lip: node to surface in two half passes
-/// (face_lips.h). For a node x_0 of area A, and the point sum_i N_i x_i of the other lip that it
-/// faces, with normal n:
+/// (face_lips.h; pairs of nodes: \cite francavilla1975). For a node x_0 of area A, and the point
+/// sum_i N_i x_i of the other lip that it faces, with normal n:
 ///
 ///   e = n . (x_0 - sum_i N_i x_i) - e_r       opening; e_r: where the lips touch
 ///   W = A/2 k_c e^2          e < e_0          pressure k_c |e|; on bone it is 2 k_c d

@@ -51,12 +51,12 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
                       "arches.json of `lefort dental register`, for the directions of the arches; "
                       "without it they are those of the patient");
   command
-      ->add_option("--max-shift", job->options.max_shift_mm,
-                   "Largest shift in the occlusal plane that is searched [mm]")
+      ->add_option("--shift", job->options.shift_mm,
+                   "Distance of the starts of the search in the occlusal plane [mm]")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   command
-      ->add_option("--max-yaw", job->options.max_yaw_deg, "Largest yaw that is searched [degrees]")
+      ->add_option("--yaw", job->options.yaw_deg, "Yaw between the starts of the search [degrees]")
       ->check(CLI::Range(0.0, 30.0))
       ->capture_default_str();
   mark_path(command->add_option("-o,--output", job->output,
