@@ -5,6 +5,7 @@
 #include <lefort/core/types.h>
 #include <lefort/geometry/triangle_mesh.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "dental/arch.h"
 
 namespace lefort::dental {
@@ -46,10 +49,36 @@ TEST(FindOcclusion, measures_gaps_and_incisors) {
   const Occlusion deep = measure_occlusion(upper_L, lower_L, X, {});
   EXPECT_GT(deep.contacts.max_penetration_mm, 0.2);
   EXPECT_LT(deep.contacts.max_penetration_mm, 0.35);  // Both are triangulated differently.
-  X.translation() = Vec3(0.0, 2.0, 0.0);  // The lower arch is 2 mm posterior.
-  EXPECT_NEAR(measure_occlusion(upper_L, lower_L, X, {}).overjet_mm -
-                  measure_occlusion(upper_L, lower_L, RigidTransform::Identity(), {}).overjet_mm,
-              2.0, 1e-9);
+}
+
+/// Tooth opposite tooth, edge to edge at z = 6 mm or more.
+TEST(FindOcclusion, measures_incisors) {
+  const geometry::TriangleMesh lower_L = test::make_arch(kShape);
+  geometry::TriangleMesh upper_L = lower_L;
+  for (Vec3& p : upper_L.vertices) p.z() = 20.0 - p.z();
+  for (geometry::Triangle& triangle : upper_L.triangles) std::swap(triangle[0], triangle[1]);
+  RigidTransform X = RigidTransform::Identity();
+  const Occlusion edge_to_edge = measure_occlusion(upper_L, lower_L, X, {});
+  EXPECT_NEAR(edge_to_edge.overjet_mm, 0.0, 1e-9);
+  EXPECT_LT(edge_to_edge.overbite_mm, -4.0);
+  X.translation() = Vec3(1.0, 2.0, 5.0);  // The lower arch is 2 mm posterior, 5 mm up.
+  const Occlusion moved = measure_occlusion(upper_L, lower_L, X, {});
+  EXPECT_NEAR(moved.overjet_mm, 2.0, 1e-9);
+  EXPECT_NEAR(moved.overbite_mm - edge_to_edge.overbite_mm, 5.0, 1e-9);
+  X.translation() = Vec3(6.0, 0.0, 0.0);  // Another tooth is opposite.
+  EXPECT_TRUE(std::isnan(measure_occlusion(upper_L, lower_L, X, {}).overjet_mm));
+}
+
+/// Where the upper arch ends, points of the lower one face nothing.
+TEST(FindOcclusion, nothing_penetrates_beyond_the_border) {
+  const geometry::TriangleMesh lower_L = test::make_arch(kShape);
+  geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  std::erase_if(upper_L.triangles, [&](const geometry::Triangle& triangle) {
+    return upper_L.vertices[std::size_t(triangle[0])].y() > 25.0;
+  });
+  RigidTransform X = RigidTransform::Identity();
+  X.translation() = Vec3(0.0, 0.0, -0.5);
+  EXPECT_EQ(measure_occlusion(upper_L, lower_L, X, {}).contacts.max_penetration_mm, 0.0);
 }
 
 TEST(FindOcclusion, refuses_arches_that_do_not_face_each_other) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -23,6 +24,9 @@ using anatomy::ToothMap;
 constexpr double kEnamel_hu = 1700.0;
 constexpr double kMinEnamel_mm3 = 100.0;  // About two crowns.
 constexpr double kMinArch_mm = 25.0;
+constexpr double kMinFlatness = 2.0;
+constexpr double kMinUpright = 0.7;  // 45 degrees.
+constexpr Index kMinVertices = 100;
 constexpr double kCrown_mm = 6.0;
 /// The CT number at a border may differ from border_hu by this fraction, from interpolation.
 constexpr double kBorderTolerance = 0.25;
@@ -53,8 +57,15 @@ Enamel enamel_of(const image::CtVolume& ct, const ToothMap& teeth, Tooth jaw) {
   return enamel;
 }
 
-/// Sets center and axes; \returns the standard deviation along the arch.
-double fit_plane(const Enamel& enamel, Crowns& crowns) {
+/// What the enamel says of the plane through it.
+struct PlaneFit {
+  double length_mm = 0.0;  ///< Extent along the longest axis.
+  /// Variance along the second axis over that across the plane: 1 for a straight row of teeth.
+  double flatness = 0.0;
+};
+
+/// Sets center and axes.
+PlaneFit fit_plane(const Enamel& enamel, Crowns& crowns) {
   crowns.center_L = Vec3::Zero();
   for (const Vec3& p : enamel.points_L) crowns.center_L += p / double(enamel.points_L.size());
   Mat3 spread = Mat3::Zero();
@@ -64,12 +75,17 @@ double fit_plane(const Enamel& enamel, Crowns& crowns) {
   }
   const SymmetricEigen<3> axes = symmetric_eigen(spread);
   crowns.occlusal_L = axes.vectors.col(0);
-  // Of a short row of teeth the plane is not known: superior is within 45 degrees of it.
   const double side = crowns.jaw == Tooth::kUpper ? -1.0 : 1.0;
   if (crowns.occlusal_L.z() * side < 0.0) crowns.occlusal_L = -crowns.occlusal_L;
   const Vec3 anterior = -Vec3::UnitY();
   crowns.anterior_L = (anterior - anterior.dot(crowns.occlusal_L) * crowns.occlusal_L).normalized();
-  return std::sqrt(axes.values[2]);
+  double low = 0.0, high = 0.0;
+  for (const Vec3& p : enamel.points_L) {
+    const double along = (p - crowns.center_L).dot(axes.vectors.col(2));
+    low = std::min(low, along);
+    high = std::max(high, along);
+  }
+  return {high - low, axes.values[1] / std::max(axes.values[0], 1e-9)};
 }
 
 double median_of(std::vector<double> values) {
@@ -134,8 +150,7 @@ image::ScalarVolume level_of(const image::CtVolume& ct, const ToothMap& teeth, T
   mask = anatomy::dilated_by_one_voxel_or_more(mask, 1.0);
   for_each([&](Index i, Index j, Index k, std::size_t v) {
     if (mask.values[v] != 0)
-      level.values[v] =
-          float(std::clamp((double(ct.at(i, j, k)) - border_hu) / border_hu, -1.0, 1.0));
+      level.values[v] = float((double(ct.at(i, j, k)) - border_hu) / border_hu);
   });
   return level;
 }
@@ -183,15 +198,22 @@ Result<Crowns> find_crowns(const image::CtVolume& ct, const ToothMap& teeth, Too
                 fmt::format("the {} teeth have {:.0f} mm3 of enamel in the scan, must be {:g} or "
                             "more: the jaw is toothless, cut off, or its teeth were not found",
                             name_of(jaw), enamel_mm3, kMinEnamel_mm3));
-  const double along_mm = 2.0 * fit_plane(enamel, crowns);
-  if (along_mm < kMinArch_mm)
+  const PlaneFit plane = fit_plane(enamel, crowns);
+  if (plane.length_mm < kMinArch_mm || plane.flatness < kMinFlatness ||
+      std::abs(crowns.occlusal_L.z()) < kMinUpright)
     return fail(ErrorCode::kAnatomyMissing,
-                fmt::format("the {} teeth extend over {:.0f} mm, must be {:g} or more",
-                            name_of(jaw), along_mm, kMinArch_mm));
+                fmt::format("the {} teeth determine no occlusal plane: they extend over {:.0f} mm "
+                            "(must be {:g} or more), or are in a row, or the head is not upright",
+                            name_of(jaw), plane.length_mm, kMinArch_mm));
   crowns.border_hu = 0.5 * median_of(enamel.hu);
   LEFORT_TRY(const geometry::TriangleMesh surface_L,
              anatomy::extract_isosurface(level_of(ct, teeth, jaw, crowns.border_hu), {}, progress));
   crowns.surface_L = keep_crowns(surface_L, ct, crowns);
+  if (crowns.surface_L.vertex_count() < kMinVertices)
+    return fail(ErrorCode::kAnatomyMissing,
+                fmt::format("the {} crowns have {} vertices on the border of enamel, must be {} or "
+                            "more: do the labels fit the scan?",
+                            name_of(jaw), crowns.surface_L.vertex_count(), kMinVertices));
   return crowns;
 }
 

@@ -1,6 +1,7 @@
 #include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
+#include <lefort/dental/beyond_border.h>
 #include <lefort/dental/find_occlusion.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -92,7 +93,9 @@ std::optional<FacedGap> gap_over(const Bvh& surface, const Vec3& p, const Vec3& 
   const Vec3 there =
       surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature).normalized();
   if (!(there.dot(n) < -0.2)) return std::nullopt;
-  return FacedGap{there.dot(p - nearest->point), nearest->point, there};
+  const Vec3 apart = p - nearest->point;
+  if (is_beyond_border(apart, there)) return std::nullopt;
+  return FacedGap{there.dot(apart), nearest->point, there};
 }
 
 /// Weight of a gap: Geman and McClure's for open gaps, the penalty for penetration.
@@ -184,22 +187,23 @@ double distance_between(const RigidTransform& a, const RigidTransform& b, const 
   return max_mm;
 }
 
-/// The position that most starts lead to (pose clustering); of equals, the first.
-std::optional<RigidTransform> most_frequent(const std::vector<RigidTransform>& ends,
-                                            const Vec3& center, const ArchAxes& axes) {
-  constexpr double kSame_mm = 1.0;
-  std::optional<RigidTransform> best;
-  Index most = 0;
-  for (const RigidTransform& end : ends) {
-    const auto count =
-        Index(std::count_if(ends.begin(), ends.end(), [&](const RigidTransform& other) {
-          return distance_between(end, other, center, axes) < kSame_mm;
-        }));
-    if (count <= most) continue;
-    most = count;
-    best = end;
-  }
-  return best;
+/// Area of the occlusal surfaces of both arches that faces the other one, weighted by
+/// w^2 / (w^2 + g^2); less where they penetrate. Area that faces nothing counts nothing: otherwise
+/// arches that touch at few teeth would seem closer than those in occlusion.
+double facing_mm2(const Arch& upper, const Arch& lower, const RigidTransform& X) {
+  constexpr double kWidth_mm = 1.5, kPenetration_mm = 0.3;
+  const RigidTransform back = X.inverse();
+  const auto count = Index(lower.few.size());
+  return deterministic_sum(count + Index(upper.few.size()), 0.0, [&](Index i) {
+    const bool is_lower = i < count;
+    const ArchPoint& at = is_lower ? lower.few[std::size_t(i)] : upper.few[std::size_t(i - count)];
+    const RigidTransform& to = is_lower ? X : back;
+    const auto faced = gap_over(is_lower ? upper.tree : lower.tree, to * at.point,
+                                to.linear() * at.normal, kReach_mm);
+    if (!faced) return 0.0;
+    const double r = faced->gap_mm / (faced->gap_mm < 0.0 ? kPenetration_mm : kWidth_mm);
+    return at.mm2 * (faced->gap_mm < 0.0 ? 1.0 - std::min(r * r, 4.0) : 1.0 / (1.0 + r * r));
+  });
 }
 
 std::vector<RigidTransform> starts_of(const ArchAxes& axes, const OcclusionOptions& options,
@@ -220,12 +224,26 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
   return sum;
 }
 
+/// Deepest penetration of the vertices of `points` into `surface`, up to kReach_mm.
+double penetration_mm(const TriangleMesh& points, const Bvh& surface, const RigidTransform& X) {
+  const geometry::Pseudonormals normals(points);
+  std::vector<double> depths(points.vertices.size(), 0.0);
+  parallel_for(points.vertex_count(), [&](Index v) {
+    const auto faced = gap_over(surface, X * points.vertices[std::size_t(v)],
+                                X.linear() * normals.at_vertex(points, v), kReach_mm);
+    if (faced) depths[std::size_t(v)] = std::max(-faced->gap_mm, 0.0);
+  });
+  return depths.empty() ? 0.0 : *std::max_element(depths.begin(), depths.end());
+}
+
 /// Opens the arches along the superior direction until the penetration is within its limit.
 RigidTransform without_penetration(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
                                    RigidTransform X, const ArchAxes& axes) {
   constexpr int kSteps = 20;
+  const Bvh upper(upper_L), lower(lower_L);
   for (int n = 0; n < kSteps; ++n) {
-    const double deep_mm = measure_occlusion(upper_L, lower_L, X, axes).contacts.max_penetration_mm;
+    const double deep_mm =
+        std::max(penetration_mm(lower_L, upper, X), penetration_mm(upper_L, lower, X.inverse()));
     if (deep_mm <= kMaxOcclusalPenetration_mm) break;
     X.translation() -= (deep_mm - 0.9 * kMaxOcclusalPenetration_mm) * axes.superior_L;
   }
@@ -278,12 +296,11 @@ Occlusion measure_occlusion(const TriangleMesh& upper_L, const TriangleMesh& low
   });
   const Vec3 middle = mean_of(lower_L.vertices);
   std::vector<char> touches(lower_L.vertices.size(), 0);
-  for (std::size_t v = 0; v < found.gaps_mm.size(); ++v) {
+  for (std::size_t v = 0; v < found.gaps_mm.size(); ++v)
     touches[v] = found.gaps_mm[v] <= kContactGap_mm ? 1 : 0;
-    if (found.gaps_mm[v] < 0.0)
-      found.contacts.max_penetration_mm =
-          std::max(found.contacts.max_penetration_mm, -found.gaps_mm[v]);
-  }
+  found.contacts.max_penetration_mm =
+      std::max(penetration_mm(lower_L, upper, X_L_lower),
+               penetration_mm(upper_L, Bvh(lower_L), X_L_lower.inverse()));
   for (const geometry::Triangle& t : lower_L.triangles) {
     if (!touches[std::size_t(t[0])] || !touches[std::size_t(t[1])] || !touches[std::size_t(t[2])])
       continue;
@@ -299,8 +316,11 @@ Occlusion measure_occlusion(const TriangleMesh& upper_L, const TriangleMesh& low
   for (Vec3& p : moved) p = X_L_lower * p;
   const Vec3 between = incisal_edge(upper_L.vertices, -axes.superior_L, axes) -
                        incisal_edge(moved, axes.superior_L, axes);
-  found.overjet_mm = between.dot(axes.anterior_L);
-  found.overbite_mm = -between.dot(axes.superior_L);
+  constexpr double kOtherTooth_mm = 4.0;
+  const bool are_opposite = std::abs(between.dot(axes.left_L())) <= kOtherTooth_mm;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  found.overjet_mm = are_opposite ? between.dot(axes.anterior_L) : kUnknown;
+  found.overbite_mm = are_opposite ? -between.dot(axes.superior_L) : kUnknown;
   return found;
 }
 
@@ -309,37 +329,44 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                                  Progress& progress) {
   LEFORT_TRY_VOID(geometry::check_surface(upper_L));
   LEFORT_TRY_VOID(geometry::check_surface(lower_L));
-  if (!(options.shift_mm >= 0.0 && options.shift_mm <= 20.0) ||
-      !(options.yaw_deg >= 0.0 && options.yaw_deg <= 30.0))
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("the starts are {} mm and {} degrees apart, must be 0 to 20 and 0 to 30",
-                    options.shift_mm, options.yaw_deg));
+  if (!(options.shift_mm >= 0.0 && options.shift_mm <= 5.0) ||
+      !(options.yaw_deg >= 0.0 && options.yaw_deg <= 10.0))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the starts are {} mm and {} degrees apart, must be 0 to 5 and 0 to 10",
+                            options.shift_mm, options.yaw_deg));
   const Arch upper(upper_L, -axes.superior_L), lower(lower_L, axes.superior_L);
   const Vec3 center = mean_of(lower_L.vertices);
-  std::vector<RigidTransform> ends;
+  std::optional<RigidTransform> best;
+  double best_mm2 = -std::numeric_limits<double>::infinity();
   const std::vector<RigidTransform> starts = starts_of(axes, options, center);
   for (std::size_t n = 0; n < starts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(double(n) / double(starts.size()));
-    if (const auto end = minimize(upper, lower, false, starts[n], center, axes.superior_L, kCoarse))
-      ends.push_back(*end);
+    const auto end = minimize(upper, lower, false, starts[n], center, axes.superior_L, kCoarse);
+    if (!end || distance_between(*end, RigidTransform::Identity(), center, axes) > kMaxMovement_mm)
+      continue;
+    const double mm2 = facing_mm2(upper, lower, *end);
+    if (mm2 <= best_mm2) continue;
+    best_mm2 = mm2;
+    best = end;
   }
-  std::optional<RigidTransform> best = most_frequent(ends, center, axes);
   if (best) best = minimize(upper, lower, true, *best, center, axes.superior_L, kFine);
   if (!best)
+    return fail(
+        ErrorCode::kNotConverged,
+        fmt::format("no occlusion was found within {:g} mm: move the lower arch closer to it, "
+                    "the arches must face each other",
+                    kMaxMovement_mm));
+  Occlusion found =
+      measure_occlusion(upper_L, lower_L, without_penetration(upper_L, lower_L, *best, axes), axes);
+  const OcclusalContacts& contacts = found.contacts;
+  if (contacts.max_penetration_mm > kMaxOcclusalPenetration_mm ||
+      contacts.left_mm2 + contacts.right_mm2 <= 0.0)
     return fail(ErrorCode::kNotConverged,
-                fmt::format("the arches do not face each other: fewer than {} vertices are within "
-                            "{:g} mm of the other arch",
-                            kMinFacing, kReach_mm));
-  const double moved_mm = distance_between(*best, RigidTransform::Identity(), center, axes);
-  if (moved_mm > kMaxMovement_mm)
-    return fail(ErrorCode::kNotConverged,
-                fmt::format("the arches touch best {:.1f} mm from where they are, must be {:g} or "
-                            "less: move the lower arch closer to occlusion",
-                            moved_mm, kMaxMovement_mm));
-  return measure_occlusion(upper_L, lower_L, without_penetration(upper_L, lower_L, *best, axes),
-                           axes);
+                fmt::format("the arches cannot touch without penetration: {:.2f} mm deep, must be "
+                            "{:g} or less; are the surfaces in the same frame, and outward?",
+                            contacts.max_penetration_mm, kMaxOcclusalPenetration_mm));
+  return found;
 }
 
 }  // namespace lefort::dental

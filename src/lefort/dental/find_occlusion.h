@@ -19,8 +19,8 @@ struct ArchAxes {
 };
 
 struct OcclusionOptions {
-  double shift_mm = 2.0;  ///< Between starts, in the occlusal plane; 0 to 20.
-  double yaw_deg = 3.0;   ///< Between starts, about the superior direction; 0 to 30.
+  double shift_mm = 2.0;  ///< Between starts, in the occlusal plane; 0 to 5.
+  double yaw_deg = 3.0;   ///< Between starts, about the superior direction; 0 to 10.
 };
 
 /// Contact of the arches in occlusion.
@@ -37,21 +37,20 @@ struct Occlusion {
   RigidTransform X_L_lower = RigidTransform::Identity();  ///< Movement of the lower arch.
   OcclusalContacts contacts;
   /// Of the edges of the central incisors, upper relative to lower [mm]: to anterior and to
-  /// inferior (overbite), edge to edge.
+  /// inferior (overbite), edge to edge; NaN if the edges found are not opposite.
   double overjet_mm = 0.0, overbite_mm = 0.0;
   /// Gap of each vertex of the lower arch [mm], negative if it penetrates; NaN further than 3 mm
   /// from the upper one.
   std::vector<double> gaps_mm;
 };
 
-/// Moves the lower arch to the position in which it touches the upper one in as large an area as
-/// possible, without penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010,
+/// Moves the lower arch to the position in which both arches are as close as possible, without penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010,
 /// \cite chang2010, \cite deng2020).
 ///
 /// From each of 27 starts around the given position the distances between facing surfaces are
 /// minimized, from both arches, with weights of Geman and McClure that become narrower and a
-/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. The
-/// position that most starts lead to (pose clustering \cite stockman1987) is refined.
+/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. Of the
+/// ends within 9 mm, that with the largest facing area is refined.
 ///
 /// \param upper_L   crowns of the upper arch; open or closed.
 /// \param lower_L   crowns of the lower arch at the start.
@@ -59,8 +58,8 @@ struct Occlusion {
 /// \param options   the starts.
 /// \returns the occlusion, or
 ///   - kInvalidArgument  an option is out of range, or a surface is unusable;
-///   - kNotConverged     the arches do not face each other: fewer than 50 vertices are within 10 mm;
-///     or the occlusion that was found is more than 9 mm away;
+///   - kNotConverged     no occlusion is found within 9 mm, or only with penetration; triangles that
+///     face inward have this effect, too;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Occlusion> find_occlusion(const geometry::TriangleMesh& upper_L,

@@ -2,6 +2,7 @@
 #include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
+#include <lefort/dental/beyond_border.h>
 #include <lefort/dental/register_arch.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -10,7 +11,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -169,7 +172,9 @@ Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& sca
       const Vec3 there =
           scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
       if (!(there.dot(now.X.linear() * points[i].normal) > 0.3)) continue;
-      off[i] = there.dot(p - nearest->point);
+      const Vec3 apart = p - nearest->point;
+      if (is_beyond_border(apart, there) && apart.norm() < kCounterpart_mm) continue;
+      off[i] = there.dot(apart);
       rows[i] << (p - now.X * center).cross(there) / kRadius_mm, there;
     }
     std::vector<double> sizes;
@@ -249,7 +254,9 @@ std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const Ri
     const Vec3 there =
         scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
     if (!(there.dot(X.linear() * normals.at_vertex(mesh, v)) > 0.5)) return;
-    distances[std::size_t(v)] = there.dot(p - nearest->point);
+    const Vec3 apart = p - nearest->point;
+    if (is_beyond_border(apart, there)) return;
+    distances[std::size_t(v)] = there.dot(apart);
   });
   return distances;
 }
@@ -296,15 +303,29 @@ void measure(const Crowns& crowns, const Bvh& scan, const RigidTransform& X, Arc
                   [&](const Vec3& p_L) { return sextant_of(crowns, p_L) == sextant; });
 }
 
-/// RMS of the distances of the best fit; infinite without one.
-double rms_of_fit(const Crowns& crowns, const TriangleMesh& scan, Progress& progress) {
+/// Root mean square of the distances of all vertices; 1 mm without a counterpart.
+double misfit_mm(const std::vector<double>& distances_mm) {
+  double squared = 0.0;
+  for (const double d : distances_mm)
+    squared += std::isnan(d) ? kCounterpart_mm * kCounterpart_mm : d * d;
+  return std::sqrt(squared / double(distances_mm.size()));
+}
+
+[[nodiscard]] bool is_acceptable(const ArchFit& arch) {
+  return arch.all.rms_mm <= kMaxRms_mm && arch.all.fraction >= kMinFraction;
+}
+
+/// Misfit of the best fit; infinite if it is not acceptable.
+Result<double> misfit_of(const Crowns& crowns, const TriangleMesh& scan, Progress& progress) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const Bvh tree(scan);
   const auto found = fit(crowns, scan, tree, progress);
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the registration was cancelled");
   if (!found) return kNone;
   ArchFit arch;
   measure(crowns, tree, found->X_onto_from, arch);
-  return arch.all.fraction < kMinFraction ? kNone : arch.all.rms_mm;
+  return is_acceptable(arch) ? misfit_mm(arch.distances_mm) : kNone;
 }
 
 /// Scale of the crowns about their center that fits the scan best: a seventh unknown beside the
@@ -344,14 +365,20 @@ double scale_of(const Crowns& crowns, const Bvh& scan, RigidTransform X) {
   return 1.0 / scale;
 }
 
+/// \param own_mm  misfit of the scan; infinite if it does not fit.
 Result<void> check_alternatives(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
-                                double rms_mm, Progress& progress) {
-  if (other && rms_of_fit(*other, scan, progress) < kClearlyBetter * rms_mm)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the intraoral scan of the {} jaw fits the {} teeth: the files may be "
-                            "swapped",
-                            name_of(crowns.jaw), name_of(other->jaw)));
-  if (rms_of_fit(crowns, mirrored(scan), progress) < kClearlyBetter * rms_mm)
+                                double own_mm, Progress& progress) {
+  if (other) {
+    LEFORT_TRY(const double other_mm, misfit_of(*other, scan, progress));
+    if (other_mm < kClearlyBetter * own_mm)
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("the intraoral scan of the {} jaw fits the {} teeth: the files may be "
+                      "swapped",
+                      name_of(crowns.jaw), name_of(other->jaw)));
+  }
+  LEFORT_TRY(const double mirrored_mm, misfit_of(crowns, mirrored(scan), progress));
+  if (mirrored_mm < kClearlyBetter * own_mm)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the mirror image of the intraoral scan fits the {} teeth: it is "
                             "mirrored, or of another patient",
@@ -359,29 +386,20 @@ Result<void> check_alternatives(const TriangleMesh& scan, const Crowns& crowns, 
   return {};
 }
 
-}  // namespace
-
-Result<ArchFit> register_arch(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
-                              Progress& progress) {
-  LEFORT_TRY_VOID(geometry::check_surface(scan));
-  LEFORT_TRY_VOID(check_length(scan));
+/// As register_arch(), for triangles that face outward.
+Result<ArchFit> register_outward(const TriangleMesh& scan, const Crowns& crowns,
+                                 const Crowns* other, Progress& progress) {
   ArchFit found;
   const Bvh tree(scan);
   auto registration = fit(crowns, scan, tree, progress);
-  if (!registration && registration.error().code == ErrorCode::kCancelled)
-    return tl::unexpected(std::move(registration).error());
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the registration was cancelled");
   if (registration) measure(crowns, tree, registration->X_onto_from, found);
-  const bool fits =
-      registration && found.all.rms_mm <= kMaxRms_mm && found.all.fraction >= kMinFraction;
-  const double rms_mm = fits ? found.all.rms_mm : std::numeric_limits<double>::infinity();
-  LEFORT_TRY_VOID(check_alternatives(scan, crowns, other, rms_mm, progress));
-  if (!fits) {
-    const TriangleMesh turned = reversed(scan);
-    if (!found.is_reversed && rms_of_fit(crowns, turned, progress) <= kMaxRms_mm) {
-      LEFORT_TRY(ArchFit again, register_arch(turned, crowns, other, progress));
-      again.is_reversed = true;
-      return again;
-    }
+  const bool fits = registration && is_acceptable(found);
+  LEFORT_TRY_VOID(check_alternatives(
+      scan, crowns, other,
+      fits ? misfit_mm(found.distances_mm) : std::numeric_limits<double>::infinity(), progress));
+  if (!fits)
     return fail(ErrorCode::kNotConverged,
                 registration
                     ? fmt::format("the intraoral scan does not fit the {} teeth: {:.0f} % of the "
@@ -391,14 +409,30 @@ Result<ArchFit> register_arch(const TriangleMesh& scan, const Crowns& crowns, co
                                   100.0 * kMinFraction, kMaxRms_mm)
                     : fmt::format("the intraoral scan does not fit the {} teeth: {}",
                                   name_of(crowns.jaw), registration.error().message));
-  }
   found.scale = scale_of(crowns, tree, registration->X_onto_from);
-  if (std::abs(found.scale - 1.0) > kMaxScaleError)
+  if (!(std::abs(found.scale - 1.0) <= kMaxScaleError))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the intraoral scan is scaled: it fits the {} teeth with a factor of "
                             "{:.3f}, must be 1 within {:g}",
                             name_of(crowns.jaw), found.scale, kMaxScaleError));
   return found;
+}
+
+}  // namespace
+
+Result<ArchFit> register_arch(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
+                              Progress& progress) {
+  LEFORT_TRY_VOID(geometry::check_surface(scan));
+  LEFORT_TRY_VOID(check_length(scan));
+  LEFORT_TRY_VOID(geometry::check_surface(crowns.surface_L));
+  if (other) LEFORT_TRY_VOID(geometry::check_surface(other->surface_L));
+  auto found = register_outward(scan, crowns, other, progress);
+  if (found || found.error().code != ErrorCode::kNotConverged) return found;
+  LEFORT_TRY(const double turned_mm, misfit_of(crowns, reversed(scan), progress));
+  if (!std::isfinite(turned_mm)) return found;
+  LEFORT_TRY(ArchFit turned, register_outward(reversed(scan), crowns, other, progress));
+  turned.is_reversed = true;
+  return turned;
 }
 
 }  // namespace lefort::dental

@@ -221,6 +221,11 @@ void FaceBody::set_poses(std::span<const RigidTransform> X_LB) {
   for (std::size_t k = 0; k < segment_supports_.size(); ++k) segment_supports_[k].set_pose(X_LB[k]);
 }
 
+void FaceBody::set_equilibrium(const FaceEquilibrium& at) {
+  set_poses(at.X_LB);
+  update_lips(at.paired_u.size() > 0 ? at.paired_u : at.u);
+}
+
 fem::NewtonOutcome FaceBody::solve(const FaceEquilibrium& last,
                                    const std::vector<RigidTransform>& X_LB, const VectorX& start,
                                    linear::LinearSolver& linear_solver, Progress& progress,

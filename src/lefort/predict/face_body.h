@@ -37,6 +37,7 @@ namespace lefort::predict {
 struct FaceEquilibrium {
   std::vector<RigidTransform> X_LB;  ///< One for each segment.
   VectorX u;                         ///< Three per node [mm].
+  VectorX paired_u = {};             ///< Where its lips are paired; empty: at u.
 };
 
 /// Called after each Newton iteration; `is_start` at the start of each solve.
@@ -60,6 +61,9 @@ class FaceBody {
 
   /// \param X_LB  pose of each segment.
   void set_poses(std::span<const RigidTransform> X_LB);
+
+  /// Restores poses and pairs of the lips of an equilibrium, so that the assembler is in it.
+  void set_equilibrium(const FaceEquilibrium& at);
 
   /// Finds the equilibrium at `X_LB`.
   ///

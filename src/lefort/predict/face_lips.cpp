@@ -101,6 +101,7 @@ std::optional<FacingPoint> facing_point(const PresentLip& own, std::size_t v,
     shift -= point.weights[Index(i)] * other.shifts[corner];
   }
   if (normal.squaredNorm() == 0.0) return std::nullopt;
+  if (other.lip.outward * own.normals[v].dot(normal) <= 0.0) return std::nullopt;  // Another sheet.
   point.normal_L = normal.normalized();
   point.rest_mm = -point.normal_L.dot(shift);
   const Vec3 distance = p - nearest->point;

@@ -160,7 +160,7 @@ Result<FaceState> FaceResponse::solve(const std::vector<RigidTransform>& X_LB,
         std::vector<RigidTransform> poses = between(start.at.X_LB, X_LB, fraction);
         fem::NewtonOutcome outcome = body_->solve(last, poses, guess, linear_solver_, progress);
         newton_iterations_ += outcome.iterations();
-        if (outcome.converged()) last = {std::move(poses), outcome.x};
+        if (outcome.converged()) last = {std::move(poses), outcome.x, last.u};
         return outcome;
       },
       load_step_options(options_.solver, 1.0 / increment_count(start.at.X_LB, X_LB)));
@@ -176,7 +176,7 @@ Result<FaceState> FaceResponse::solve_near(const std::vector<RigidTransform>& X_
   const fem::NewtonOutcome outcome =
       body_->solve(start.at, X_LB, near.at.u, linear_solver_, Progress::none());
   newton_iterations_ += outcome.iterations();
-  if (outcome.converged()) return FaceState{{X_LB, outcome.x}};
+  if (outcome.converged()) return FaceState{{X_LB, outcome.x, start.at.u}};
   return solve(X_LB, start);
 }
 
@@ -196,7 +196,7 @@ Result<FaceState> FaceResponse::approach(const std::vector<RigidTransform>& X_LB
     newton_iterations_ += outcome.iterations();
     if (!outcome.converged() && outcome.stop != fem::NewtonStop::kTooManyIterations)
       return solve(X_LB, start);
-    state.at = {poses, outcome.x};
+    state.at = {poses, outcome.x, state.at.u};
   }
   return state;
 }
@@ -205,12 +205,12 @@ Result<void> FaceResponse::factorize_at(const FaceState& state) {
   if (body_->weighted_contacts().any())
     return fail(ErrorCode::kInvalidArgument,
                 "derivatives of the face need contact.integration quadrature, not weighted");
+  body_->set_equilibrium(state.at);
   const fem::Assembler& assembler = body_->assembler();
   for (const contact::ContactTerm& contact : body_->segment_contacts())
     if (!contact.is_conservative(assembler.dofs()))
       return fail(ErrorCode::kInvalidArgument,
                   "derivatives of the face need contact.detection smooth or trilinear, not bvh");
-  body_->set_poses(state.at.X_LB);
   fem::set_near_null_space(tangent_solver_, assembler);
   const linear::LinearSolveStatus status = tangent_solver_.factorize(assembler.tangent(state.at.u));
   if (status == linear::LinearSolveStatus::kDone) return {};

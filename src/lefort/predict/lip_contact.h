@@ -53,10 +53,11 @@ class LipContact final : public fem::ForceTerm {
 
 /// Position of the lips relative to each other.
 struct LipStatistics {
-  double max_overlap_mm = 0.0;   ///< Of -e; 0 if there is none.
-  double max_opening_mm = 0.0;   ///< Of e; 0 if there is none.
-  double max_slip_mm = 0.0;      ///< Of the nodes of a pair, perpendicular to their normal at rest.
-  double closed_fraction = 1.0;  ///< Of the area: e <= kLipsClosed_mm.
+  double max_overlap_mm = 0.0;  ///< Of -e; 0 if there is none.
+  double max_opening_mm = 0.0;  ///< Of e; 0 if there is none.
+  double max_slip_mm = 0.0;     ///< Of the nodes of a pair, perpendicular to their normal at rest.
+  /// Of the area: e <= kLipsClosed_mm. Nodes that face nothing are open.
+  double closed_fraction = 1.0;
 };
 inline constexpr double kLipsClosed_mm = 0.1;
 

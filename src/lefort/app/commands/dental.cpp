@@ -53,11 +53,11 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
   command
       ->add_option("--shift", job->options.shift_mm,
                    "Distance of the starts of the search in the occlusal plane [mm]")
-      ->check(CLI::Range(0.0, 20.0))
+      ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
   command
       ->add_option("--yaw", job->options.yaw_deg, "Yaw between the starts of the search [degrees]")
-      ->check(CLI::Range(0.0, 30.0))
+      ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the lower arch in occlusion, contacts and transform"),

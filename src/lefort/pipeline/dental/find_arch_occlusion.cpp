@@ -32,11 +32,11 @@ Result<dental::ArchAxes> read_axes(const fs::path& file) {
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{}: {}; make it with `lefort dental register`", file.string(), what));
   };
-  if (json.is_discarded() || !json.is_object() || json.value("lefort_arches", 0) != 1)
+  if (!json.is_object() || !json.contains("lefort_arches") || json["lefort_arches"] != 1)
     return corrupt("not an arches.json of version 1");
   const bool is_upper = json.contains("upper");
   const auto arch = json.find(is_upper ? "upper" : "lower");
-  if (arch == json.end()) return corrupt("no jaw");
+  if (arch == json.end() || !arch->is_object()) return corrupt("no jaw");
   dental::ArchAxes axes;
   for (const auto& [name, to] :
        {std::pair{"occlusal", &axes.superior_L}, {"anterior", &axes.anterior_L}}) {
@@ -54,6 +54,10 @@ Result<dental::ArchAxes> read_axes(const fs::path& file) {
   if (std::abs(axes.superior_L.dot(axes.anterior_L)) > 1e-3)
     return corrupt("the directions are not perpendicular");
   return axes;
+}
+
+nlohmann::json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
 /// Movement of the lower arch: translation of its center in the directions of the arches, rotation.
@@ -98,8 +102,8 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
                     {"right_mm2", contacts.right_mm2},
                     {"patches", contacts.patches},
                     {"max_penetration_mm", contacts.max_penetration_mm}}},
-                  {"overjet_mm", found.overjet_mm},
-                  {"overbite_mm", found.overbite_mm}};
+                  {"overjet_mm", number_or_null(found.overjet_mm)},
+                  {"overbite_mm", number_or_null(found.overbite_mm)}};
   summary.text = fmt::format(
       "{}: contact on {:.1f} mm2 (right {:.1f}, left {:.1f}) in {} patches, penetration {:.2f} mm, "
       "overjet {:.1f} mm, overbite {:.1f} mm (edge to edge)",
