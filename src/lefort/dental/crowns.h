@@ -30,16 +30,16 @@ struct Crowns {
 /// Finds the crowns of a jaw.
 ///
 /// The surface lies where the CT number is half of that of enamel: the border of a dense body in
-/// blurred images does not move there (\cite prevrhal1999), if its surroundings have 0 HU. Beside air
-/// it moves inward, by a third of the point spread. The occlusal plane is the least-squares
+/// blurred images does not move there (\cite prevrhal1999), if its surroundings have 0 HU. Beside
+/// air it moves inward, by a third of the point spread. The occlusal plane is the least-squares
 /// plane through the enamel; crowns are what lies less than 6 mm on the side of the roots.
 ///
 /// \param ct     the scan; teeth of the wanted jaw must be on it.
 /// \param teeth  of the scan. \pre on the grid of `ct`.
 /// \param jaw    kUpper or kLower.
 /// \returns the crowns, or
-///   - kAnatomyMissing  too little enamel, teeth on less than 25 mm of the arch or in a row, which do
-///     not determine a plane, or no border of enamel;
+///   - kAnatomyMissing  too little enamel; teeth on less than 25 mm of the arch or in a row, which
+///     do not determine a plane; or no border of enamel;
 ///   - kMeshInvalid, kCancelled  as anatomy::extract_isosurface().
 [[nodiscard]] Result<Crowns> find_crowns(const image::CtVolume& ct, const anatomy::ToothMap& teeth,
                                          anatomy::Tooth jaw, Progress& progress = Progress::none());

@@ -282,15 +282,15 @@ Index count_patches(const TriangleMesh& mesh, const std::vector<char>& is_in) {
 }  // namespace
 
 Occlusion measure_occlusion(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
-                            const RigidTransform& X_L_lower, const ArchAxes& axes) {
+                            const RigidTransform& X_LB, const ArchAxes& axes) {
   Occlusion found;
-  found.X_L_lower = X_L_lower;
+  found.X_L_lower = X_LB;
   const Bvh upper(upper_L);
   const geometry::Pseudonormals normals(lower_L);
   found.gaps_mm.assign(lower_L.vertices.size(), std::numeric_limits<double>::quiet_NaN());
   parallel_for(lower_L.vertex_count(), [&](Index v) {
-    const Vec3 n = X_L_lower.linear() * normals.at_vertex(lower_L, v);
-    const Vec3 p = X_L_lower * lower_L.vertices[std::size_t(v)];
+    const Vec3 n = X_LB.linear() * normals.at_vertex(lower_L, v);
+    const Vec3 p = X_LB * lower_L.vertices[std::size_t(v)];
     if (const auto faced = gap_over(upper, p, n, kShownGap_mm))
       found.gaps_mm[std::size_t(v)] = faced->gap_mm;
   });
@@ -298,9 +298,8 @@ Occlusion measure_occlusion(const TriangleMesh& upper_L, const TriangleMesh& low
   std::vector<char> touches(lower_L.vertices.size(), 0);
   for (std::size_t v = 0; v < found.gaps_mm.size(); ++v)
     touches[v] = found.gaps_mm[v] <= kContactGap_mm ? 1 : 0;
-  found.contacts.max_penetration_mm =
-      std::max(penetration_mm(lower_L, upper, X_L_lower),
-               penetration_mm(upper_L, Bvh(lower_L), X_L_lower.inverse()));
+  found.contacts.max_penetration_mm = std::max(
+      penetration_mm(lower_L, upper, X_LB), penetration_mm(upper_L, Bvh(lower_L), X_LB.inverse()));
   for (const geometry::Triangle& t : lower_L.triangles) {
     if (!touches[std::size_t(t[0])] || !touches[std::size_t(t[1])] || !touches[std::size_t(t[2])])
       continue;
@@ -313,7 +312,7 @@ Occlusion measure_occlusion(const TriangleMesh& upper_L, const TriangleMesh& low
   }
   found.contacts.patches = count_patches(lower_L, touches);
   std::vector<Vec3> moved = lower_L.vertices;
-  for (Vec3& p : moved) p = X_L_lower * p;
+  for (Vec3& p : moved) p = X_LB * p;
   const Vec3 between = incisal_edge(upper_L.vertices, -axes.superior_L, axes) -
                        incisal_edge(moved, axes.superior_L, axes);
   constexpr double kOtherTooth_mm = 4.0;

@@ -44,8 +44,9 @@ struct Occlusion {
   std::vector<double> gaps_mm;
 };
 
-/// Moves the lower arch to the position in which both arches are as close as possible, without penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010,
-/// \cite chang2010, \cite deng2020).
+/// Moves the lower arch to the position in which both arches are as close as possible, without
+/// penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010, \cite chang2010,
+/// \cite deng2020).
 ///
 /// From each of 27 starts around the given position the distances between facing surfaces are
 /// minimized, from both arches, with weights of Geman and McClure that become narrower and a
@@ -58,8 +59,8 @@ struct Occlusion {
 /// \param options   the starts.
 /// \returns the occlusion, or
 ///   - kInvalidArgument  an option is out of range, or a surface is unusable;
-///   - kNotConverged     no occlusion is found within 9 mm, or only with penetration; triangles that
-///     face inward have this effect, too;
+///   - kNotConverged     no occlusion is found within 9 mm, or only with penetration, as if
+///     triangles face inward;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Occlusion> find_occlusion(const geometry::TriangleMesh& upper_L,
@@ -68,10 +69,10 @@ struct Occlusion {
                                                const OcclusionOptions& options = {},
                                                Progress& progress = Progress::none());
 
-/// \param X_L_lower  position of the lower arch.
+/// \param X_LB  position of the lower arch.
 /// \returns the contacts and distances there.
 [[nodiscard]] Occlusion measure_occlusion(const geometry::TriangleMesh& upper_L,
                                           const geometry::TriangleMesh& lower_L,
-                                          const RigidTransform& X_L_lower, const ArchAxes& axes);
+                                          const RigidTransform& X_LB, const ArchAxes& axes);
 
 }  // namespace lefort::dental

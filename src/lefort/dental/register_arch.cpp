@@ -156,7 +156,7 @@ struct Alignment {
 
 /// Few iterations with few points: point to plane \cite chen1992, with Tukey's weights.
 Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& scan,
-                           const Vec3& center, RigidTransform X) {
+                           const Vec3& center, const RigidTransform& X) {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   constexpr int kIterations = 15;
@@ -178,6 +178,7 @@ Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& sca
       rows[i] << (p - now.X * center).cross(there) / kRadius_mm, there;
     }
     std::vector<double> sizes;
+    sizes.reserve(off.size());
     for (const double d : off) sizes.push_back(std::abs(d));
     const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());

@@ -1,4 +1,5 @@
 #include <lefort/core/units.h>
+#include <lefort/core/version.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/output_folder.h>
@@ -8,7 +9,6 @@
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/json/json_values.h>
-#include <lefort/report/annotate.h>
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 #include <lefort/anatomy/find_teeth.h>
+#include <lefort/core/version.h>
 #include <lefort/dental/crowns.h>
 #include <lefort/dental/register_arch.h>
 #include <lefort/geometry/transform_mesh.h>
@@ -9,7 +10,6 @@
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/prepare/load_head.h>
-#include <lefort/report/annotate.h>
 
 #include <fmt/format.h>
 
