@@ -257,6 +257,21 @@ TEST(FaceLips, at_rest_each_node_faces_the_other_of_its_pair) {
   }
 }
 
+/// In a coarse mesh a node of one lip can be a corner of a face of the other.
+TEST(FaceLips, a_node_of_both_lips_faces_nothing) {
+  TwoLips two;
+  const auto count = two.face(two.tissue.nodes_L).size();
+  for (mesh::Face& face : two.tissue.face_sets.at(predict::sets::kLowerLip))
+    for (std::size_t c = 0; c < 3; ++c)
+      if (face.nodes[c] == TwoLips::kCount + 30) face.nodes[c] = 30;
+  two.lips.pairs.erase(two.lips.pairs.begin() + 30);
+  two.lips.pairs.push_back({30, TwoLips::kCount + 29, 1.0, Vec3::UnitZ()});
+  const auto points = two.face(two.tissue.nodes_L);
+  EXPECT_LT(points.size(), count);
+  for (const predict::FacingPoint& point : points)
+    for (std::size_t i = 1; i < 4; ++i) EXPECT_NE(point.nodes[0], point.nodes[i]);
+}
+
 /// On a cylinder of radius 30 mm the lips stay closed; with the normals at rest the pairs of nodes
 /// would overlap by 30 (1 - cos(s / 30)) mm.
 TEST(FaceLips, slip_on_a_curved_surface_neither_opens_nor_overlaps) {

@@ -97,6 +97,7 @@ std::optional<FacingPoint> facing_point(const PresentLip& own, std::size_t v,
   for (std::size_t i = 0; i < 3; ++i) {
     const auto corner = std::size_t(corners[i]);
     point.nodes[i + 1] = other.lip.nodes[corner];
+    if (point.nodes[i + 1] == point.nodes[0]) return std::nullopt;  // The lips are joined there.
     normal += point.weights[Index(i)] * other.lip.outward * other.normals[corner];
     shift -= point.weights[Index(i)] * other.shifts[corner];
   }

@@ -48,7 +48,7 @@ struct LipSurface {
 /// \param pairs     at rest.
 /// \param x_L       positions of all nodes of the tissue [mm].
 /// \returns in the order of the pairs, upper node first; without the nodes that have slipped beyond
-///   the border of the other lip.
+///   the border of the other lip, and those that belong to both lips.
 [[nodiscard]] std::vector<FacingPoint> face_lips(const std::array<LipSurface, 2>& surfaces,
                                                  std::span<const LipPair> pairs,
                                                  std::span<const Vec3> x_L);
