@@ -93,9 +93,9 @@ std::optional<FacedGap> gap_over(const Bvh& surface, const Vec3& p, const Vec3& 
   const Vec3 there =
       surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature).normalized();
   if (!(there.dot(n) < -0.2)) return std::nullopt;
-  const Vec3 apart = p - nearest->point;
-  if (is_beyond_border(apart, there)) return std::nullopt;
-  return FacedGap{there.dot(apart), nearest->point, there};
+  const Vec3 offset = p - nearest->point;
+  if (is_beyond_border(offset, there)) return std::nullopt;
+  return FacedGap{there.dot(offset), nearest->point, there};
 }
 
 /// Weight of a gap: Geman and McClure's for open gaps, the penalty for penetration.
@@ -330,9 +330,10 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
   LEFORT_TRY_VOID(geometry::check_surface(lower_L));
   if (!(options.shift_mm >= 0.0 && options.shift_mm <= 5.0) ||
       !(options.yaw_deg >= 0.0 && options.yaw_deg <= 10.0))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the starts are {} mm and {} degrees apart, must be 0 to 5 and 0 to 10",
-                            options.shift_mm, options.yaw_deg));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the spacing of the starts is {} mm and {} degrees, must be 0 to 5 and 0 to 10",
+                    options.shift_mm, options.yaw_deg));
   const Arch upper(upper_L, -axes.superior_L), lower(lower_L, axes.superior_L);
   const Vec3 center = mean_of(lower_L.vertices);
   std::optional<RigidTransform> best;

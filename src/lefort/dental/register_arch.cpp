@@ -172,9 +172,9 @@ Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& sca
       const Vec3 there =
           scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
       if (!(there.dot(now.X.linear() * points[i].normal) > 0.3)) continue;
-      const Vec3 apart = p - nearest->point;
-      if (is_beyond_border(apart, there) && apart.norm() < kCounterpart_mm) continue;
-      off[i] = there.dot(apart);
+      const Vec3 offset = p - nearest->point;
+      if (is_beyond_border(offset, there) && offset.norm() < kCounterpart_mm) continue;
+      off[i] = there.dot(offset);
       rows[i] << (p - now.X * center).cross(there) / kRadius_mm, there;
     }
     std::vector<double> sizes;
@@ -255,9 +255,9 @@ std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const Ri
     const Vec3 there =
         scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
     if (!(there.dot(X.linear() * normals.at_vertex(mesh, v)) > 0.5)) return;
-    const Vec3 apart = p - nearest->point;
-    if (is_beyond_border(apart, there)) return;
-    distances[std::size_t(v)] = there.dot(apart);
+    const Vec3 offset = p - nearest->point;
+    if (is_beyond_border(offset, there)) return;
+    distances[std::size_t(v)] = there.dot(offset);
   });
   return distances;
 }
