@@ -13,6 +13,8 @@
 namespace lefort::dental {
 namespace {
 
+using geometry::Bvh;
+
 const test::ArchShape kShape{.seed = 3.0};
 
 /// Two arches that touch everywhere in occlusion: it is found from disturbed starts.
@@ -42,11 +44,11 @@ TEST(FindOcclusion, measures_gaps_and_incisors) {
   const geometry::TriangleMesh lower_L = test::make_arch(kShape);
   RigidTransform X = RigidTransform::Identity();
   X.translation() = Vec3(0.0, 0.0, -1.0);
-  const Occlusion open = measure_occlusion(upper_L, lower_L, X, {});
+  const Occlusion open = measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {});
   EXPECT_EQ(open.contacts.left_mm2, 0.0);
   EXPECT_EQ(open.contacts.max_penetration_mm, 0.0);
   X.translation() = Vec3(0.0, 0.0, 0.3);
-  const Occlusion deep = measure_occlusion(upper_L, lower_L, X, {});
+  const Occlusion deep = measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {});
   EXPECT_GT(deep.contacts.max_penetration_mm, 0.2);
   EXPECT_LT(deep.contacts.max_penetration_mm, 0.35);  // Both are triangulated differently.
 }
@@ -58,15 +60,15 @@ TEST(FindOcclusion, measures_incisors) {
   for (Vec3& p : upper_L.vertices) p.z() = 20.0 - p.z();
   for (geometry::Triangle& triangle : upper_L.triangles) std::swap(triangle[0], triangle[1]);
   RigidTransform X = RigidTransform::Identity();
-  const Occlusion edge_to_edge = measure_occlusion(upper_L, lower_L, X, {});
+  const Occlusion edge_to_edge = measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {});
   EXPECT_NEAR(edge_to_edge.overjet_mm, 0.0, 1e-9);
   EXPECT_LT(edge_to_edge.overbite_mm, -4.0);
   X.translation() = Vec3(1.0, 2.0, 5.0);  // The lower arch is 2 mm posterior, 5 mm up.
-  const Occlusion moved = measure_occlusion(upper_L, lower_L, X, {});
+  const Occlusion moved = measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {});
   EXPECT_NEAR(moved.overjet_mm, 2.0, 1e-9);
   EXPECT_NEAR(moved.overbite_mm - edge_to_edge.overbite_mm, 5.0, 1e-9);
   X.translation() = Vec3(6.0, 0.0, 0.0);  // Another tooth is opposite.
-  EXPECT_TRUE(std::isnan(measure_occlusion(upper_L, lower_L, X, {}).overjet_mm));
+  EXPECT_TRUE(std::isnan(measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {}).overjet_mm));
 }
 
 /// Where the upper arch ends, points of the lower one face nothing.
@@ -78,7 +80,8 @@ TEST(FindOcclusion, nothing_penetrates_beyond_the_border) {
   });
   RigidTransform X = RigidTransform::Identity();
   X.translation() = Vec3(0.0, 0.0, -0.5);
-  EXPECT_EQ(measure_occlusion(upper_L, lower_L, X, {}).contacts.max_penetration_mm, 0.0);
+  EXPECT_EQ(measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {}).contacts.max_penetration_mm,
+            0.0);
 }
 
 TEST(FindOcclusion, refuses_arches_that_do_not_face_each_other) {

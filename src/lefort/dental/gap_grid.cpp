@@ -1,0 +1,70 @@
+#include <lefort/core/parallel.h>
+#include <lefort/dental/beyond_border.h>
+#include <lefort/dental/gap_grid.h>
+
+#include <cmath>
+#include <limits>
+
+namespace lefort::dental {
+
+GapGrid::GapGrid(const geometry::Bvh& surface, std::span<const Vec3> points) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  if (box.isEmpty()) return;
+  low_ = box.min() - Vec3::Constant(kReach_mm);
+  for (Index axis = 0; axis < 3; ++axis)
+    size_[std::size_t(axis)] =
+        Index(std::ceil((box.sizes()[axis] + 2.0 * kReach_mm) / kSpacing_mm)) + 1;
+  gaps_mm_.assign(std::size_t(size_[0] * size_[1] * size_[2]),
+                  std::numeric_limits<float>::quiet_NaN());
+  parallel_for(size_[1] * size_[2], [&](Index line) {
+    for (Index i = 0; i < size_[0]; ++i) {
+      const Vec3 p =
+          low_ + kSpacing_mm * Vec3(double(i), double(line % size_[1]), double(line / size_[1]));
+      const auto nearest = surface.closest_point(p, kReach_mm);
+      if (!nearest) continue;
+      const Vec3 normal =
+          surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature);
+      const Vec3 offset = p - nearest->point;
+      if (is_beyond_border(offset, normal.normalized())) continue;
+      gaps_mm_[std::size_t(line * size_[0] + i)] =
+          float(std::copysign(nearest->distance_mm, normal.dot(offset)));
+    }
+  });
+}
+
+std::optional<FacedGap> GapGrid::gap_over(const Vec3& p, const Vec3& n) const {
+  const Vec3 at = (p - low_) / kSpacing_mm;
+  std::array<Index, 3> cell{};
+  Vec3 t;
+  for (Index axis = 0; axis < 3; ++axis) {
+    const double floor = std::floor(at[axis]);
+    if (!(floor >= 0.0 && floor + 1.0 < double(size_[std::size_t(axis)]))) return std::nullopt;
+    cell[std::size_t(axis)] = Index(floor);
+    t[axis] = at[axis] - floor;
+  }
+  double gap_mm = 0.0;
+  Vec3 gradient = Vec3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 share, slope;
+    Index node = 0;
+    for (Index axis = 2; axis >= 0; --axis) {
+      const bool is_high = (corner >> axis & 1) != 0;
+      share[axis] = is_high ? t[axis] : 1.0 - t[axis];
+      slope[axis] = is_high ? 1.0 : -1.0;
+      node = node * size_[std::size_t(axis)] + cell[std::size_t(axis)] + (is_high ? 1 : 0);
+    }
+    const double value_mm = gaps_mm_[std::size_t(node)];
+    gap_mm += value_mm * share.prod();
+    gradient +=
+        value_mm * Vec3(slope.x() * share.y() * share.z(), share.x() * slope.y() * share.z(),
+                        share.x() * share.y() * slope.z());
+  }
+  const double length = gradient.norm();
+  if (!(length > 0.0)) return std::nullopt;  // Also without a gap at one of the nodes.
+  const Vec3 normal = gradient / length;
+  if (!(normal.dot(n) < kFacingCosine)) return std::nullopt;
+  return FacedGap{gap_mm, p - gap_mm * normal, normal};
+}
+
+}  // namespace lefort::dental

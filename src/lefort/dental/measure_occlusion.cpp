@@ -1,0 +1,125 @@
+#include <lefort/core/parallel.h>
+#include <lefort/dental/faced_gap.h>
+#include <lefort/dental/measure_occlusion.h>
+#include <lefort/geometry/mesh_properties.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lefort::dental {
+namespace {
+
+using geometry::Bvh;
+using geometry::TriangleMesh;
+
+constexpr double kShownGap_mm = 3.0;
+
+Vec3 middle_of(const std::vector<Vec3>& points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p / double(points.size());
+  return sum;
+}
+
+/// Deepest penetration of the vertices of `points`, moved by `X`, into `surface`.
+double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransform& X) {
+  constexpr double kReach_mm = 10.0;
+  const TriangleMesh& mesh = points.mesh();
+  std::vector<double> depths(mesh.vertices.size(), 0.0);
+  parallel_for(mesh.vertex_count(), [&](Index v) {
+    const auto faced = gap_over(surface, X * mesh.vertices[std::size_t(v)],
+                                X.linear() * points.pseudonormals().at_vertex(mesh, v), kReach_mm);
+    if (faced) depths[std::size_t(v)] = std::max(-faced->gap_mm, 0.0);
+  });
+  return depths.empty() ? 0.0 : *std::max_element(depths.begin(), depths.end());
+}
+
+/// The most occlusal point of the anterior teeth beside the midline.
+Vec3 incisal_edge(const std::vector<Vec3>& points, const Vec3& occlusal, const ArchAxes& axes) {
+  constexpr double kFront_mm = 8.0, kCentral_mm = 8.0;
+  const Vec3 middle = middle_of(points);
+  double front_mm = -std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points)
+    if (std::abs((p - middle).dot(axes.left_L())) < kCentral_mm)
+      front_mm = std::max(front_mm, p.dot(axes.anterior_L));
+  Vec3 edge = middle;
+  double best_mm = -std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points) {
+    if (std::abs((p - middle).dot(axes.left_L())) >= kCentral_mm) continue;
+    if (p.dot(axes.anterior_L) < front_mm - kFront_mm || p.dot(occlusal) <= best_mm) continue;
+    best_mm = p.dot(occlusal);
+    edge = p;
+  }
+  return edge;
+}
+
+/// Number of connected patches of vertices.
+Index count_patches(const TriangleMesh& mesh, const std::vector<char>& is_in) {
+  TriangleMesh part{mesh.vertices, {}};
+  for (const geometry::Triangle& triangle : mesh.triangles)
+    if (is_in[std::size_t(triangle[0])] && is_in[std::size_t(triangle[1])] &&
+        is_in[std::size_t(triangle[2])])
+      part.triangles.push_back(triangle);
+  return part.triangles.empty() ? 0 : geometry::connected_components(part).count;
+}
+
+/// Gap of each vertex of the lower arch; NaN further than kShownGap_mm.
+std::vector<double> gaps_of(const Arches& arches, const RigidTransform& X_LB) {
+  const TriangleMesh& mesh = arches.lower.mesh();
+  std::vector<double> gaps_mm(mesh.vertices.size(), std::numeric_limits<double>::quiet_NaN());
+  parallel_for(mesh.vertex_count(), [&](Index v) {
+    const Vec3 n = X_LB.linear() * arches.lower.pseudonormals().at_vertex(mesh, v);
+    const Vec3 p = X_LB * mesh.vertices[std::size_t(v)];
+    if (const auto faced = gap_over(arches.upper, p, n, kShownGap_mm))
+      gaps_mm[std::size_t(v)] = faced->gap_mm;
+  });
+  return gaps_mm;
+}
+
+OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<double>& gaps_mm,
+                             const ArchAxes& axes) {
+  OcclusalContacts contacts;
+  const Vec3 middle = middle_of(lower_L.vertices);
+  std::vector<char> touches(lower_L.vertices.size(), 0);
+  for (std::size_t v = 0; v < gaps_mm.size(); ++v)
+    touches[v] = gaps_mm[v] <= kContactGap_mm ? 1 : 0;
+  for (const geometry::Triangle& t : lower_L.triangles) {
+    if (!touches[std::size_t(t[0])] || !touches[std::size_t(t[1])] || !touches[std::size_t(t[2])])
+      continue;
+    const Vec3& a = lower_L.vertices[std::size_t(t[0])];
+    const double mm2 = 0.5 * (lower_L.vertices[std::size_t(t[1])] - a)
+                                 .cross(lower_L.vertices[std::size_t(t[2])] - a)
+                                 .norm();
+    ((a - middle).dot(axes.left_L()) > 0.0 ? contacts.left_mm2 : contacts.right_mm2) += mm2;
+  }
+  contacts.patches = count_patches(lower_L, touches);
+  return contacts;
+}
+
+}  // namespace
+
+double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB) {
+  return std::max(penetration_mm(arches.lower, arches.upper, X_LB),
+                  penetration_mm(arches.upper, arches.lower, X_LB.inverse()));
+}
+
+Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB,
+                            const ArchAxes& axes) {
+  Occlusion found;
+  found.X_L_lower = X_LB;
+  found.gaps_mm = gaps_of(arches, X_LB);
+  found.contacts = contacts_of(arches.lower.mesh(), found.gaps_mm, axes);
+  found.contacts.max_penetration_mm = max_penetration_mm(arches, X_LB);
+  std::vector<Vec3> moved = arches.lower.mesh().vertices;
+  for (Vec3& p : moved) p = X_LB * p;
+  const Vec3 between = incisal_edge(arches.upper.mesh().vertices, -axes.superior_L, axes) -
+                       incisal_edge(moved, axes.superior_L, axes);
+  constexpr double kOtherTooth_mm = 4.0;
+  const bool are_opposite = std::abs(between.dot(axes.left_L())) <= kOtherTooth_mm;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  found.overjet_mm = are_opposite ? between.dot(axes.anterior_L) : kUnknown;
+  found.overbite_mm = are_opposite ? -between.dot(axes.superior_L) : kUnknown;
+  return found;
+}
+
+}  // namespace lefort::dental
