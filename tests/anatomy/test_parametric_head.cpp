@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace lefort::anatomy::test_parametric_head {
 namespace {
@@ -37,11 +38,36 @@ TEST(ParametricHead, TheLipsCloseAtTheUpperIncisors) {
   }
 }
 
+/// An open bite: the mandible rotates about its condyles as a rigid body, the chin follows, and the
+/// lips stay where they are.
+TEST(ParametricHead, OpensTheBite) {
+  const ParametricHead closed({});
+  HeadShape shape;
+  shape.opening_rad = 0.07;
+  const ParametricHead open(shape);
+  for (const Vec3& p :
+       {Vec3(0, -91, -88), Vec3(0, -87, -49), Vec3(46, -20, -62), Vec3(50, -15, -6)})
+    EXPECT_NEAR(open.mandible(open.opened(p)), closed.mandible(p), 1e-9) << p.transpose();
+  const std::vector<NamedPoint> before = true_landmarks(closed), after = true_landmarks(open);
+  const auto moved = [&](const char* name) {
+    return Vec3(landmark_of(open, after, name) - landmark_of(closed, before, name));
+  };
+  EXPECT_NEAR(moved("Cdl-L").norm(), 0.0, 0.5);
+  EXPECT_EQ(moved("U1").norm(), 0.0);
+  EXPECT_EQ(moved("Stm").norm(), 0.0);
+  EXPECT_NEAR(moved("L1").z(), -66.5 * std::sin(0.07),
+              0.5);  // Its distance from the axis: 66.5 mm.
+  EXPECT_NEAR(moved("Pg'").z(), moved("Pg").z(), 1.0);
+  EXPECT_LT(landmark_of(open, after, "L1").z(), landmark_of(open, after, "U1").z());  // Open.
+}
+
 /// No tooth lies outside the skin, lips cover the front teeth, and tissue covers the mandible.
 TEST(ParametricHead, TissueCoversTheJaws) {
   constexpr double kMin_mm = 0.3, kStep_mm = 1.5;
-  for (const std::uint64_t seed : {0, 104, 7001, 7002, 7003}) {
-    const ParametricHead head(seed == 0 ? HeadShape{} : draw_head_shape(seed));
+  for (const std::uint64_t seed : {0, 1, 104, 7001, 7002, 7003}) {
+    HeadShape shape = seed < 2 ? HeadShape{} : draw_head_shape(seed);
+    if (seed == 1) shape.opening_rad = 0.07;
+    const ParametricHead head(shape);
     for (double x = -72.0; x <= 72.0; x += kStep_mm)
       for (double y = -110.0; y <= -10.0; y += kStep_mm)
         for (double z = -105.0; z <= -5.0; z += kStep_mm) {

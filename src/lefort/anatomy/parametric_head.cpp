@@ -27,6 +27,12 @@ Vec3 straightened(const Vec3& p, const HeadShape& shape) {
   return {p.x() - shape.chin_mm.x() * t * t * (3.0 - 2.0 * t), p.y(), p.z()};
 }
 
+/// Rotation of the mandible about the axis of its condyles; positive opens the mouth.
+Vec3 about_condyles(const Vec3& p, double angle_rad) {
+  const Vec3 hinge(0.0, -20.5, -6.5);
+  return hinge + Eigen::AngleAxisd(angle_rad, Vec3::UnitX()) * (p - hinge);
+}
+
 Vec3 in_plane(const Vec3& v) { return {0.0, v.y(), v.z()}; }
 
 double cranium(const Vec3& p, const HeadShape& s) {
@@ -166,7 +172,8 @@ double mouth(const Vec3& p, double body, const HeadShape& s) {
   const Vec3 chin = in_plane(s.chin_mm);
   body = join(body, ellipsoid(q, Vec3(0, -100, -41.5) + lips, {19, 9, 8}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -98, -55.5) + lips, {18, 9, 7}), 4.0);
-  body = join(body, ellipsoid(q, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
+  const Vec3 closed = about_condyles(q, -s.opening_rad);
+  body = join(body, ellipsoid(closed, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
   const double slit = std::min(0.8 - std::abs(p.z() - kStomion_mm - lips.z()),
                                std::min(23.0 - q.x(), -101.5 + lips.y() - p.y()));
   return without(body, slit, 1.0);
@@ -195,7 +202,7 @@ double ParametricHead::skin(const Vec3& p_L) const {
   body = join(body, nose(p, s), 6.0);
   // Min depth of soft tissue over the mandible and the zygoma; heuristic.
   constexpr double kOverMandible_mm = 5.0, kOverZygoma_mm = 4.0;
-  body = join(body, lower_jaw(p, s) + kOverMandible_mm, 4.0);
+  body = join(body, lower_jaw(about_condyles(p, -s.opening_rad), s) + kOverMandible_mm, 4.0);
   body = join(body, zygoma(q, s) + kOverZygoma_mm, 4.0);
   body = mouth(p, body, s);
   body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);    // Medial canthus.
@@ -219,8 +226,13 @@ double ParametricHead::skull(const Vec3& p_L) const {
 }
 
 double ParametricHead::mandible(const Vec3& p_L) const {
-  const Vec3 p = straightened((X_HL_ * p_L).cwiseQuotient(shape_.scale), shape_);
+  const Vec3 open = (X_HL_ * p_L).cwiseQuotient(shape_.scale);
+  const Vec3 p = straightened(about_condyles(open, -shape_.opening_rad), shape_);
   return join(lower_jaw(p, shape_), lower_teeth(p), 2.0);
+}
+
+Vec3 ParametricHead::opened(const Vec3& mean) const {
+  return about_condyles(mean, shape_.opening_rad);
 }
 
 HeadShape draw_head_shape(std::uint64_t seed) {

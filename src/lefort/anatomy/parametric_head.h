@@ -31,7 +31,9 @@ struct HeadShape {
   double orbit_mm = 0.0;                  ///< Half height.
   double lips_mm = 0.0;                   ///< Anterior, relative to the incisors.
   double palate_mm = 0.0;                 ///< Length.
-  Vec3 rotation_rad = Vec3::Zero();       ///< Rotation vector of the head in the scan.
+  /// Of the mandible about its condyles, 0 to 0.1: an open bite. The chin follows, the lips do not.
+  double opening_rad = 0.0;
+  Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();
 };
 
@@ -56,6 +58,8 @@ class ParametricHead {
   /// Applies only the scale to a point of the mean head, not the other parameters. \returns the
   /// point in frame H.
   [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
+  /// Rotates a point of the mandible of the mean head by HeadShape::opening_rad.
+  [[nodiscard]] Vec3 opened(const Vec3& mean) const;
 
  private:
   HeadShape shape_;

@@ -98,6 +98,10 @@ class TrueLandmarks {
     const HeadShape& s = head_.shape();
     return mean + Vec3(0.0, s.upper_incisors_mm.y() - s.lips_mm, s.upper_incisors_mm.z());
   }
+  /// The same of the mandible.
+  [[nodiscard]] Vec3 place_opened(const Vec3& mean) const {
+    return head_.X_LH() * head_.from_mean(head_.opened(mean));
+  }
   [[nodiscard]] Vec3 direction(const Vec3& v_F) const { return (R_LF_ * v_F).normalized(); }
   [[nodiscard]] Vec3 left() const { return R_LF_.col(0); }
   [[nodiscard]] Vec3 climb(const Level& level, const Vec3& start_L, const Vec3& v_F) const {
@@ -171,25 +175,24 @@ class TrueLandmarks {
   void find_mandible() {
     const HeadShape& s = head_.shape();
     const auto chin = [&](const Vec3& mean, double part = 1.0) {
-      const Vec3 moved = mean + part * s.chin_mm;
-      return head_.X_LH() * head_.from_mean(moved);
+      return place_opened(mean + part * s.chin_mm);
     };
     at_["Pg"] = climb_in_section(mandible_, chin({0, -91, -88}), {0, -1, 0});
     at_["Me"] = climb_in_section(mandible_, chin({0, -82, -95}), {0, 0, -1});
     at_["Gn"] = climb_in_section(mandible_, chin({0, -88, -93}), {0, -1, -1});
-    const Vec3 crest = climb_in_section(mandible_, place({0, -90, -57}), {0, -1, 0});
+    const Vec3 crest = climb_in_section(mandible_, place_opened({0, -90, -57}), {0, -1, 0});
     at_["B"] = deepest(mandible_, chin({0, -86, -72}, 0.6), at_.at("Pg"), crest);
-    at_["L1"] = climb_in_section(mandible_, place({0, -87, -49}), {0, 0, 1});
+    at_["L1"] = climb_in_section(mandible_, place_opened({0, -87, -49}), {0, 0, 1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
       at_["L6" + side] =
-          climb(mandible_, place({sign * 27.5, -63.0, -52.0}), {0.35 * sign, 0, 0.94});
-      at_["Co" + side] = climb(mandible_, place({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
-      at_["Cdl" + side] = climb(mandible_, place({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
-      at_["Cdm" + side] = climb(mandible_, place({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});
+          climb(mandible_, place_opened({sign * 27.5, -63.0, -52.0}), {0.35 * sign, 0, 0.94});
+      at_["Co" + side] = climb(mandible_, place_opened({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
+      at_["Cdl" + side] = climb(mandible_, place_opened({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
+      at_["Cdm" + side] = climb(mandible_, place_opened({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});
       const Vec3 angle(sign * (50.0 + s.gonion_mm.x()), -15.0 + s.gonion_mm.y(),
                        -66.0 + s.gonion_mm.z());
-      at_["Go" + side] = gonion(place(angle), at_.at("Co" + side));
+      at_["Go" + side] = gonion(place_opened(angle), at_.at("Co" + side));
     }
   }
 
@@ -247,7 +250,8 @@ class TrueLandmarks {
     at_["Ls"] = climb_in_section(skin_, place(lips({0, -109, -41.5})), {0, -1, 0});
     at_["Li"] = climb_in_section(skin_, place(lips({0, -107, -55.5})), {0, -1, 0});
     at_["A'"] = deepest(skin_, place(lips({0, -105, -30})), at_.at("Ls"), at_.at("Sn"));
-    at_["Pg'"] = climb_in_section(skin_, place({0, -100, -89}, s.chin_mm), {0, -1, 0});
+    at_["Pg'"] = climb_in_section(
+        skin_, place_opened({0, -100 + s.chin_mm.y(), -89 + s.chin_mm.z()}), {0, -1, 0});
     at_["B'"] = deepest(skin_, place(lips({0, -96, -68})), at_.at("Li"), at_.at("Pg'"));
     at_["Me'"] = march(skin_, at_.at("Me") - 30.0 * R_LF_.col(2), R_LF_.col(2));
   }

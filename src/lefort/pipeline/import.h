@@ -46,8 +46,9 @@ enum class PhantomVariant {
 
 /// Which synthetic head.
 enum class PhantomHead {
-  kSimple,  ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
-  kTeeth    ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
+  kSimple,   ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
+  kTeeth,    ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
+  kOpenBite  ///< The same with the mandible opened by 4 degrees: open bite, closed lips.
 };
 
 struct PhantomJob {

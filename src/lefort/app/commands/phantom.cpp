@@ -58,11 +58,15 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
       ->type_name("TEXT")
       ->default_str("plain");
   const std::map<std::string, pipeline::PhantomHead> heads{
-      {"simple", pipeline::PhantomHead::kSimple}, {"teeth", pipeline::PhantomHead::kTeeth}};
+      {"simple", pipeline::PhantomHead::kSimple},
+      {"teeth", pipeline::PhantomHead::kTeeth},
+      {"open-bite", pipeline::PhantomHead::kOpenBite}};
   command
-      ->add_option("--head", job->head,
-                   "Simple shapes, or with orbits, nose, teeth, lips and known landmarks")
-      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth}"))
+      ->add_option(
+          "--head", job->head,
+          "Simple shapes; with orbits, nose, teeth, lips and known landmarks; or the same with an "
+          "open bite of 4 degrees")
+      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth,open-bite}"))
       ->type_name("TEXT")
       ->default_str("simple");
   CLI::Option* const voxel = command

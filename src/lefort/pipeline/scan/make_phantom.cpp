@@ -89,7 +89,10 @@ Phantom simple_head(const PhantomJob& job) {
 }
 
 Phantom head_with_teeth(const PhantomJob& job) {
-  const anatomy::ParametricHead head({});
+  constexpr double kOpenBite_deg = 4.0;
+  anatomy::HeadShape shape;
+  if (job.head == PhantomHead::kOpenBite) shape.opening_rad = radians_from_degrees(kOpenBite_deg);
+  const anatomy::ParametricHead head(shape);
   anatomy::LabeledScan scan = anatomy::scan_of(head, job.voxel_mm, job.noise_hu, 1);
   constexpr std::int16_t kMin_hu = -1024;  // Of scanners; noise in air is cut off.
   Phantom phantom;
@@ -111,7 +114,7 @@ Phantom head_with_teeth(const PhantomJob& job) {
 }  // namespace
 
 Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
-  if (job.head == PhantomHead::kTeeth && job.variant != PhantomVariant::kPlain)
+  if (job.head != PhantomHead::kSimple && job.variant != PhantomVariant::kPlain)
     return fail(ErrorCode::kInvalidArgument, "a head with teeth has the variant plain only");
   const fs::path dicom = job.output / "dicom";
   std::error_code error;
@@ -123,7 +126,8 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::make_output_folder(dicom));
 
   progress.begin_stage("scan the synthetic head");
-  const Phantom phantom = job.head == PhantomHead::kTeeth ? head_with_teeth(job) : simple_head(job);
+  const Phantom phantom =
+      job.head == PhantomHead::kSimple ? simple_head(job) : head_with_teeth(job);
   const io::DicomSeriesText text{.patient_name = "SYNTHETIC^HEAD",
                                  .description = "computed, not a patient",
                                  .number = 1 + std::uint64_t(job.variant)};
