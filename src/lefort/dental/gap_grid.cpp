@@ -46,19 +46,19 @@ std::optional<FacedGap> GapGrid::gap_over(const Vec3& p, const Vec3& n) const {
   double gap_mm = 0.0;
   Vec3 gradient = Vec3::Zero();
   for (int corner = 0; corner < 8; ++corner) {
-    Vec3 share, slope;
+    Vec3 weight, slope;
     Index node = 0;
     for (Index axis = 2; axis >= 0; --axis) {
       const bool is_high = (corner >> axis & 1) != 0;
-      share[axis] = is_high ? t[axis] : 1.0 - t[axis];
+      weight[axis] = is_high ? t[axis] : 1.0 - t[axis];
       slope[axis] = is_high ? 1.0 : -1.0;
       node = node * size_[std::size_t(axis)] + cell[std::size_t(axis)] + (is_high ? 1 : 0);
     }
     const double value_mm = gaps_mm_[std::size_t(node)];
-    gap_mm += value_mm * share.prod();
+    gap_mm += value_mm * weight.prod();
     gradient +=
-        value_mm * Vec3(slope.x() * share.y() * share.z(), share.x() * slope.y() * share.z(),
-                        share.x() * share.y() * slope.z());
+        value_mm * Vec3(slope.x() * weight.y() * weight.z(), weight.x() * slope.y() * weight.z(),
+                        weight.x() * weight.y() * slope.z());
   }
   const double length = gradient.norm();
   if (!(length > 0.0)) return std::nullopt;  // Also without a gap at one of the nodes.
