@@ -184,8 +184,9 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
   });
 }
 
-/// Minimizes the cost of one stage by damped Gauss-Newton steps (\cite nocedal2006, section 10.3): a step that does
-/// not lower the cost is taken back. \returns false if the arches do not face each other.
+/// Minimizes the cost of one stage by damped Gauss-Newton steps (\cite nocedal2006, section 10.3):
+/// a step that does not lower the cost is taken back. \returns false if the arches do not face each
+/// other.
 bool minimize(const SearchedArches& arches, bool exact, const Stage& stage, RigidTransform& X) {
   constexpr double kMaxStep_mm = 2.0, kEnough_mm = 1e-4, kSmall = 1e-4, kMaxDamping = 1e4;
   GapSums at = sum_gaps(arches, exact, X, stage);
