@@ -53,6 +53,19 @@ TEST(FindOcclusion, measures_gaps_and_incisors) {
   EXPECT_LT(deep.contacts.max_penetration_mm, 0.35);  // Both are triangulated differently.
 }
 
+/// The patient's left is +x. Only half of the upper arch is there.
+TEST(FindOcclusion, separates_left_and_right) {
+  const geometry::TriangleMesh lower_L = test::make_arch(kShape);
+  geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  std::erase_if(upper_L.triangles, [&](const geometry::Triangle& triangle) {
+    return upper_L.vertices[std::size_t(triangle[0])].x() < 0.0;
+  });
+  const Occlusion found =
+      measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, RigidTransform::Identity(), {});
+  EXPECT_GT(found.contacts.left_mm2, 100.0);
+  EXPECT_LT(found.contacts.right_mm2, 10.0);
+}
+
 /// Tooth opposite tooth, edge to edge at z = 6 mm or more.
 TEST(FindOcclusion, measures_incisors) {
   const geometry::TriangleMesh lower_L = test::make_arch(kShape);

@@ -13,7 +13,7 @@ namespace lefort::dental {
 struct ArchAxes {
   Vec3 superior_L = Vec3::UnitZ();   ///< Perpendicular to the occlusal plane.
   Vec3 anterior_L = -Vec3::UnitY();  ///< In the mid-sagittal plane.
-  [[nodiscard]] Vec3 left_L() const { return anterior_L.cross(superior_L); }
+  [[nodiscard]] Vec3 left_L() const { return superior_L.cross(anterior_L); }
 };
 
 /// Contact of the arches in occlusion.

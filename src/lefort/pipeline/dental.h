@@ -1,10 +1,11 @@
 /// \file
-/// Intraoral scans in the frame of the CT, and the occlusion of both arches.
+/// Intraoral scans in the frame of the CT, the occlusion of both arches, and splints.
 #pragma once
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/dental/find_occlusion.h>
+#include <lefort/dental/splint.h>
 #include <lefort/pipeline/summary.h>
 
 #include <filesystem>
@@ -49,5 +50,23 @@ struct OcclusionJob {
 ///   - kFileCorrupt     `arches` is not of its format;
 ///   - kFileUnwritable  a result cannot be written.
 [[nodiscard]] Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress);
+
+struct SplintJob {
+  std::filesystem::path upper, lower;  ///< Surfaces of the arches in frame L, as planned.
+  /// arches.json of register_arches(), for the directions; without it those of the patient.
+  std::optional<std::filesystem::path> arches;
+  /// Motions of the arches (.tfm) to the planned position; none unless given.
+  std::optional<std::filesystem::path> upper_transform, lower_transform;
+  dental::SplintOptions options;
+  std::filesystem::path output;  ///< A folder; made if missing.
+};
+
+/// Makes a splint. Writes `splint.stl` and `splint.json`.
+///
+/// \returns the summary, with a warning if the splint has holes or is thinner than 1 mm, or
+///   - the errors of io::read_surface(), io::read_transform() and dental::make_splint();
+///   - kFileCorrupt     `arches` is not of its format;
+///   - kFileUnwritable  a result cannot be written.
+[[nodiscard]] Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -74,14 +74,64 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
   });
 }
 
+void add_splint_options(CLI::App& command, dental::SplintOptions& options) {
+  command.add_option("--clearance", options.clearance_mm, "Between crowns and splint [mm]")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command
+      .add_option("--cover", options.cover_mm, "Height of the crowns that the splint covers [mm]")
+      ->check(CLI::Range(0.5, 6.0))
+      ->capture_default_str();
+  command.add_option("--wall", options.wall_mm, "Width beyond the covered crowns [mm]")
+      ->check(CLI::Range(1.0, 6.0))
+      ->capture_default_str();
+  command.add_option("--voxel", options.voxel_mm, "Resolution [mm]")
+      ->check(CLI::Range(0.1, 0.5))
+      ->capture_default_str();
+}
+
+void add_splint(CLI::App& dental, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::SplintJob>();
+  CLI::App* const command =
+      dental.add_subcommand("splint", "Make a splint between two arches, to print");
+  mark_path(command->add_option("upper", job->upper, "Surface of the upper arch"),
+            PathKind::kSurface)
+      ->required();
+  mark_path(
+      command->add_option("lower", job->lower, "Surface of the lower arch, in the same frame"),
+      PathKind::kSurface)
+      ->required();
+  command->add_option("--arches", job->arches,
+                      "arches.json of `lefort dental register`, for the directions of the arches; "
+                      "without it they are those of the patient");
+  command->add_option("--upper-transform", job->upper_transform,
+                      "Motion of the upper arch to the planned position, .tfm");
+  command->add_option("--lower-transform", job->lower_transform, "The same of the lower arch");
+  add_splint_options(*command, job->options);
+  mark_path(
+      command->add_option("-o,--output", job->output, "Folder for splint.stl and splint.json"),
+      PathKind::kNewFolder)
+      ->required();
+  command->footer(
+      "Example:\n"
+      "  lefort dental splint arches/upper.stl occlusion/lower.stl --arches arches/arches.json "
+      "-o splint/\n"
+      "Guide: docs/guide/dental.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("dental",
+                [&](Progress& progress) { return pipeline::make_arch_splint(*job, progress); });
+  });
+}
+
 }  // namespace
 
 void add_dental_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const dental =
-      cli.add_subcommand("dental", "Intraoral scans in the frame of the CT, occlusion");
+      cli.add_subcommand("dental", "Intraoral scans in the frame of the CT, occlusion, splints");
   dental->require_subcommand(1);
   add_register(*dental, context);
   add_occlusion(*dental, context);
+  add_splint(*dental, context);
 }
 
 }  // namespace lefort::app

@@ -3,58 +3,21 @@
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/output_folder.h>
-#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
+#include <lefort/pipeline/dental/arch_axes.h>
 #include <lefort/pipeline/json/json_values.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdint>
-#include <string>
-#include <utility>
 
 namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uintmax_t kMaxArchesBytes = 1 << 20;
-
-/// Directions from arches.json: the upper arch, or else the lower one.
-Result<dental::ArchAxes> read_axes(const fs::path& file) {
-  LEFORT_TRY(const std::string text, io::read_text(file, kMaxArchesBytes));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  const auto corrupt = [&](const std::string& what) {
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: {}; make it with `lefort dental register`", file.string(), what));
-  };
-  if (!json.is_object() || !json.contains("lefort_arches") || json["lefort_arches"] != 1)
-    return corrupt("not an arches.json of version 1");
-  const bool is_upper = json.contains("upper");
-  const auto arch = json.find(is_upper ? "upper" : "lower");
-  if (arch == json.end() || !arch->is_object()) return corrupt("no jaw");
-  dental::ArchAxes axes;
-  for (const auto& [name, to] :
-       {std::pair{"occlusal", &axes.superior_L}, {"anterior", &axes.anterior_L}}) {
-    const auto at = arch->find(name);
-    if (at == arch->end() || !at->is_array() || at->size() != 3) return corrupt("no directions");
-    for (int i = 0; i < 3; ++i) {
-      const auto& value = (*at)[std::size_t(i)];
-      if (!value.is_number()) return corrupt("a direction is not a number");
-      (*to)[i] = value.get<double>();
-    }
-    if (!to->allFinite() || std::abs(to->norm() - 1.0) > 1e-3)
-      return corrupt("a direction is not of unit length");
-  }
-  if (is_upper) axes.superior_L = -axes.superior_L;
-  if (std::abs(axes.superior_L.dot(axes.anterior_L)) > 1e-3)
-    return corrupt("the directions are not perpendicular");
-  return axes;
-}
 
 nlohmann::json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -76,10 +39,7 @@ nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchA
 Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress) {
   LEFORT_TRY(const geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
   LEFORT_TRY(const geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
-  dental::ArchAxes axes;
-  if (job.arches) {
-    LEFORT_TRY(axes, read_axes(*job.arches));
-  }
+  LEFORT_TRY(const dental::ArchAxes axes, read_arch_axes(job.arches));
   LEFORT_TRY(const dental::Occlusion found,
              dental::find_occlusion(upper_L, lower_L, axes, job.options, progress));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));

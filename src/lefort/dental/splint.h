@@ -1,0 +1,57 @@
+/// \file
+/// An occlusal splint between two arches.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/core/types.h>
+#include <lefort/dental/measure_occlusion.h>
+#include <lefort/geometry/triangle_mesh.h>
+
+namespace lefort::dental {
+
+struct SplintOptions {
+  double clearance_mm = 0.1;  ///< Between crowns and splint; 0 to 0.5.
+  double cover_mm = 2.5;      ///< Height of the crowns that the splint covers; 0.5 to 6.
+  double wall_mm = 2.5;       ///< Beyond the covered crowns; 1 to 6.
+  double voxel_mm = 0.2;      ///< Of the grid; 0.1 to 0.5.
+};
+
+/// How an arch fits into a splint.
+struct SplintFit {
+  /// Clearance of the vertices that face the other arch and lie within 0.5 mm of the splint [mm];
+  /// NaN without such vertices.
+  double p5_mm = 0.0, median_mm = 0.0, p95_mm = 0.0;
+  /// Deepest penetration of a vertex of the arch into the splint, at the end and on the way of
+  /// 10 mm in, along the direction of insertion [mm].
+  double max_penetration_mm = 0.0;
+};
+
+/// A splint in frame L.
+struct Splint {
+  geometry::TriangleMesh surface_L;  ///< Closed.
+  double volume_ml = 0.0;
+  /// Between the arches, along the direction of insertion; negative: the splint has a hole there.
+  double min_thickness_mm = 0.0;
+  SplintFit upper, lower;
+};
+
+/// Makes a splint. Its body is what lies within wall_mm of the covered crowns in the occlusal
+/// plane, and between the cusps of both arches or up to cover_mm beyond them. Both arches, grown by
+/// the clearance, are removed from it together with all that would meet them while the splint is
+/// put on along the superior direction, so that it has no undercuts.
+///
+/// \param upper_L, lower_L  arches in the planned position, outward; open or closed.
+/// \param axes              of the arches.
+/// \returns the splint, or
+///   - kInvalidArgument  an option is out of range, a surface is unusable, or the arches are larger
+///     than 150 mm or further apart than 20 mm;
+///   - kMeshInvalid      nothing is left of the body;
+///   - kCancelled        `progress` requested a stop.
+/// \note Same bits for any number of threads.
+[[nodiscard]] Result<Splint> make_splint(const geometry::TriangleMesh& upper_L,
+                                         const geometry::TriangleMesh& lower_L,
+                                         const ArchAxes& axes, const SplintOptions& options = {},
+                                         Progress& progress = Progress::none());
+
+}  // namespace lefort::dental
