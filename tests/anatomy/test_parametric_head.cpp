@@ -66,7 +66,10 @@ TEST(ParametricHead, TissueCoversTheJaws) {
   constexpr double kMin_mm = 0.3, kStep_mm = 1.5;
   for (const std::uint64_t seed : {0, 1, 104, 7001, 7002, 7003}) {
     HeadShape shape = seed < 2 ? HeadShape{} : draw_head_shape(seed);
-    if (seed == 1) shape.opening_rad = 0.07;
+    if (seed == 1) {
+      shape.opening_rad = 0.07;
+      shape.chin_mm.x() = 4.0;
+    }
     const ParametricHead head(shape);
     for (double x = -72.0; x <= 72.0; x += kStep_mm)
       for (double y = -110.0; y <= -10.0; y += kStep_mm)

@@ -1,12 +1,17 @@
+#include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
 #include <lefort/dental/find_occlusion.h>
+#include <lefort/dental/gap_grid.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "dental/arch.h"
 
@@ -22,9 +27,11 @@ TEST(FindOcclusion, returns_to_the_known_occlusion) {
   const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
   const geometry::TriangleMesh lower_L = test::make_arch({.seed = 3.0, .step_mm = 0.4});
   const Vec3 center(0.0, 14.0, 4.0);
-  for (int n = 0; n < 3; ++n) {
+  for (int n = 0; n < 4; ++n) {
     const auto number = [&](double seed) { return 2.0 * test::some_number(seed, n) - 1.0; };
-    const Vec3 shift = Vec3(3.0 * number(1.0), 4.0 * number(2.0), -2.0 + number(3.0));
+    // The last one is 5 mm away.
+    const Vec3 shift = n == 3 ? Vec3(3.0, 3.5, -2.0)
+                              : Vec3(3.0 * number(1.0), 4.0 * number(2.0), -2.0 + number(3.0));
     const Vec3 turn =
         radians_from_degrees(6.0) * Vec3(0.3 * number(4.0), 0.3 * number(5.0), number(6.0));
     const RigidTransform X = geometry::rigid_motion(shift, turn, center);
@@ -37,6 +44,41 @@ TEST(FindOcclusion, returns_to_the_known_occlusion) {
     EXPECT_GT(found->contacts.left_mm2, 100.0);
     EXPECT_GT(found->contacts.right_mm2, 100.0);
   }
+}
+
+/// On the grid gaps are those of closest points, but for cusps smaller than its spacing.
+TEST(FindOcclusion, gaps_on_the_grid_are_nearly_exact) {
+  const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  const geometry::TriangleMesh lower_L = test::make_arch(kShape);
+  const Bvh surface(lower_L), upper(upper_L);
+  const GapGrid grid(surface, lower_L.vertices);
+  std::vector<double> errors_mm;
+  for (Index v = 0; v < upper_L.vertex_count(); v += 7) {
+    const Vec3 p = upper_L.vertices[std::size_t(v)] + Vec3(0.0, 0.0, 1.5);
+    const Vec3 n = upper.pseudonormals().at_vertex(upper_L, v);
+    const auto exact = gap_over(surface, p, n, GapGrid::kReach_mm);
+    const auto fast = grid.gap_over(p, n);
+    if (exact && fast) errors_mm.push_back(std::abs(exact->gap_mm - fast->gap_mm));
+  }
+  ASSERT_GT(errors_mm.size(), 100U);
+  std::sort(errors_mm.begin(), errors_mm.end());
+  EXPECT_LT(errors_mm[errors_mm.size() / 2], 0.05);
+  EXPECT_LT(errors_mm[errors_mm.size() * 95 / 100], 0.3);
+}
+
+TEST(FindOcclusion, is_the_same_for_any_number_of_threads) {
+  const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
+  RigidTransform X = RigidTransform::Identity();
+  X.translation() = Vec3(0.7, -0.4, -1.5);
+  const geometry::TriangleMesh lower_L = geometry::transformed(test::make_arch(kShape), X);
+  Eigen::Matrix4d poses[2];
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    const auto found = find_occlusion(upper_L, lower_L, {}, {.shift_mm = 0.0, .yaw_deg = 3.0});
+    ASSERT_TRUE(found) << found.error().message;
+    poses[threads == 1 ? 0 : 1] = found->X_L_lower.matrix();
+  }
+  EXPECT_EQ(poses[0], poses[1]);
 }
 
 TEST(FindOcclusion, measures_gaps_and_incisors) {
@@ -105,6 +147,12 @@ TEST(FindOcclusion, refuses_arches_that_do_not_face_each_other) {
   ASSERT_FALSE(far);
   EXPECT_EQ(far.error().code, ErrorCode::kNotConverged);
   EXPECT_FALSE(find_occlusion(upper_L, {}, {}));
+  const auto swapped = find_occlusion(test::make_arch(kShape), upper_L, {});
+  ASSERT_FALSE(swapped);
+  EXPECT_NE(swapped.error().message.find("swapped"), std::string::npos);
+  geometry::TriangleMesh huge = upper_L;
+  huge.vertices[0] = Vec3(9e5, -9e5, 9e5);
+  EXPECT_FALSE(find_occlusion(huge, test::make_arch(kShape), {}));
   EXPECT_FALSE(find_occlusion(upper_L, test::make_arch(kShape), {}, {.shift_mm = -1.0}));
 }
 

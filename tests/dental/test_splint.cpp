@@ -1,10 +1,13 @@
+#include <lefort/core/parallel.h>
 #include <lefort/dental/splint.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/transform_mesh.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "dental/arch.h"
 
@@ -57,6 +60,63 @@ TEST(Splint, follows_the_directions_of_the_arches) {
   EXPECT_NEAR(there->min_thickness_mm, here->min_thickness_mm, 0.05);
 }
 
+/// Size along left, posterior and superior.
+Vec3 size_of(const SplintOptions& options) {
+  const auto splint = make_splint(upper_arch(), lower_arch(), {}, options);
+  EXPECT_TRUE(splint) << splint.error().message;
+  return splint ? Vec3(geometry::bounding_box(splint->surface_L).sizes()) : Vec3(Vec3::Zero());
+}
+
+TEST(Splint, follows_its_options) {
+  const Vec3 size = size_of({.voxel_mm = 0.3});
+  const Vec3 wide = size_of({.wall_mm = 4.5, .voxel_mm = 0.3});
+  EXPECT_NEAR(wide.x() - size.x(), 4.0, 0.3);  // 2 mm on both sides.
+  EXPECT_NEAR(wide.y() - size.y(), 4.0, 0.3);
+  EXPECT_NEAR(wide.z() - size.z(), 0.0, 1.0);  // No rim far beyond the cover.
+  const Vec3 high = size_of({.cover_mm = 4.0, .voxel_mm = 0.3});
+  EXPECT_NEAR(high.z() - size.z(), 3.0, 0.5);  // 1.5 mm over both arches.
+  const auto loose =
+      make_splint(upper_arch(), lower_arch(), {}, {.clearance_mm = 0.3, .voxel_mm = 0.3});
+  ASSERT_TRUE(loose);
+  EXPECT_NEAR(loose->lower.median_mm, 0.3, 0.05);
+}
+
+/// Crowns that bulge by 1 mm below their edge: an offset surface alone would lock there.
+TEST(Splint, has_no_undercuts) {
+  geometry::TriangleMesh lower = lower_arch();
+  for (Vec3& p : lower.vertices) {
+    const double below_mm = std::clamp(5.0 - p.z(), 0.0, 2.0);
+    p.x() *= 1.0 + 0.04 * below_mm * (2.0 - below_mm);
+  }
+  const auto splint = make_splint(upper_arch(), lower, {}, {.cover_mm = 4.0});
+  ASSERT_TRUE(splint) << splint.error().message;
+  EXPECT_LT(splint->lower.max_penetration_mm, 0.01);  // On the whole way in.
+}
+
+/// The upper incisors overlap the lower ones by 3 mm, the molars are open: no hole at the incisors.
+TEST(Splint, covers_a_deep_bite) {
+  geometry::TriangleMesh upper = upper_arch();
+  for (Vec3& p : upper.vertices) {
+    const double front = std::clamp((12.0 - p.y()) / 6.0, 0.0, 1.0);
+    p += front * Vec3(0.0, -9.0, -5.0);  // Before the lower incisors and 3 mm below their edges.
+  }
+  const auto splint = make_splint(upper, lower_arch(), {}, {.voxel_mm = 0.3});
+  ASSERT_TRUE(splint) << splint.error().message;
+  EXPECT_EQ(splint->parts, 1);
+  EXPECT_LT(splint->lower.p95_mm, 0.6);  // Also the incisors are covered.
+}
+
+TEST(Splint, is_the_same_for_any_number_of_threads) {
+  std::vector<Vec3> vertices[2];
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    const auto splint = make_splint(upper_arch(), lower_arch(), {}, {.voxel_mm = 0.5});
+    ASSERT_TRUE(splint);
+    vertices[threads == 1 ? 0 : 1] = splint->surface_L.vertices;
+  }
+  EXPECT_EQ(vertices[0], vertices[1]);
+}
+
 TEST(Splint, has_holes_where_the_arches_touch) {
   const auto splint =
       make_splint(test::make_arch({.seed = 3.0}, true), lower_arch(), {}, {.voxel_mm = 0.3});
@@ -71,7 +131,7 @@ TEST(Splint, refuses_what_is_not_two_arches_in_mm) {
   RigidTransform away = RigidTransform::Identity();
   away.translation() = Vec3(0.0, 0.0, 40.0);
   EXPECT_FALSE(make_splint(geometry::transformed(upper_arch(), away), lower_arch(), {}));
-  const auto swapped = make_splint(lower_arch(), upper_arch(), {}, {.voxel_mm = 0.5});
+  const auto swapped = make_splint(lower_arch(), upper_arch(), {});
   ASSERT_FALSE(swapped);
   EXPECT_NE(swapped.error().message.find("swapped"), std::string::npos) << swapped.error().message;
   geometry::TriangleMesh meters = lower_arch();

@@ -14,19 +14,21 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(MakePhantom, AHeadWithTeethHasSlicesLabelsAndLandmarks) {
-  const test::TemporaryFolder folder;
-  const PhantomJob job{
-      .output = folder / "head", .head = PhantomHead::kTeeth, .voxel_mm = 5.0, .noise_hu = 30.0};
-  const auto summary = make_phantom(job, Progress::none());
-  ASSERT_TRUE(summary) << summary.error().message;
-  const auto slices =
-      std::distance(fs::directory_iterator(folder / "head/dicom"), fs::directory_iterator());
-  EXPECT_EQ(summary->json["slices"].get<std::ptrdiff_t>(), slices);
-  EXPECT_TRUE(fs::exists(folder / "head/labels.seg.nrrd"));
-  EXPECT_TRUE(fs::exists(folder / "head/landmarks.mrk.json"));
-  const auto imported = import_scan({.source = folder / "head/dicom", .output = folder / "ct.nrrd"},
-                                    Progress::none());
-  ASSERT_TRUE(imported) << imported.error().message;
+  for (const PhantomHead head : {PhantomHead::kTeeth, PhantomHead::kOpenBite}) {
+    const test::TemporaryFolder folder;
+    const PhantomJob job{
+        .output = folder / "head", .head = head, .voxel_mm = 5.0, .noise_hu = 30.0};
+    const auto summary = make_phantom(job, Progress::none());
+    ASSERT_TRUE(summary) << summary.error().message;
+    const auto slices =
+        std::distance(fs::directory_iterator(folder / "head/dicom"), fs::directory_iterator());
+    EXPECT_EQ(summary->json["slices"].get<std::ptrdiff_t>(), slices);
+    EXPECT_TRUE(fs::exists(folder / "head/labels.seg.nrrd"));
+    EXPECT_TRUE(fs::exists(folder / "head/landmarks.mrk.json"));
+    const auto imported = import_scan(
+        {.source = folder / "head/dicom", .output = folder / "ct.nrrd"}, Progress::none());
+    ASSERT_TRUE(imported) << imported.error().message;
+  }
 }
 
 TEST(MakePhantom, AHeadWithTeethHasOnlyPlainSlices) {

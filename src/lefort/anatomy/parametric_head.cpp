@@ -167,13 +167,13 @@ double nose(const Vec3& p, const HeadShape& s) {
 
 /// Upper and lower lip rest on the upper incisors: stomion is 3 mm above their edge, the middle of
 /// the normal incisal display of 2 to 4 mm \cite arnett1993.
-double mouth(const Vec3& p, double body, const HeadShape& s) {
+/// \param jaw  the point as the mandible is given: not opened.
+double mouth(const Vec3& p, const Vec3& jaw, double body, const HeadShape& s) {
   const Vec3 q = folded(p), lips = in_plane(s.upper_incisors_mm) - Vec3(0, s.lips_mm, 0);
   const Vec3 chin = in_plane(s.chin_mm);
   body = join(body, ellipsoid(q, Vec3(0, -100, -41.5) + lips, {19, 9, 8}), 4.0);
   body = join(body, ellipsoid(q, Vec3(0, -98, -55.5) + lips, {18, 9, 7}), 4.0);
-  const Vec3 closed = about_condyles(q, -s.opening_rad);
-  body = join(body, ellipsoid(closed, Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
+  body = join(body, ellipsoid(folded(jaw), Vec3(0, -84, -89) + chin, {18, 16, 13}), 10.0);
   const double slit = std::min(0.8 - std::abs(p.z() - kStomion_mm - lips.z()),
                                std::min(23.0 - q.x(), -101.5 + lips.y() - p.y()));
   return without(body, slit, 1.0);
@@ -191,7 +191,9 @@ ParametricHead::ParametricHead(const HeadShape& shape) : shape_(shape) {
 
 double ParametricHead::skin(const Vec3& p_L) const {
   const HeadShape& s = shape_;
-  const Vec3 p = straightened((X_HL_ * p_L).cwiseQuotient(s.scale), s), q = folded(p);
+  const Vec3 bent = (X_HL_ * p_L).cwiseQuotient(s.scale);
+  const Vec3 p = straightened(bent, s), q = folded(p);
+  const Vec3 jaw = straightened(about_condyles(bent, -s.opening_rad), s);
   const double head = ellipsoid(p, {0, -8, 46}, {78, 96, 80});
   const double face = ellipsoid(p, {0, -40, -30}, {68, 62, 72});
   const double neck =
@@ -202,9 +204,9 @@ double ParametricHead::skin(const Vec3& p_L) const {
   body = join(body, nose(p, s), 6.0);
   // Min depth of soft tissue over the mandible and the zygoma; heuristic.
   constexpr double kOverMandible_mm = 5.0, kOverZygoma_mm = 4.0;
-  body = join(body, lower_jaw(about_condyles(p, -s.opening_rad), s) + kOverMandible_mm, 4.0);
+  body = join(body, lower_jaw(jaw, s) + kOverMandible_mm, 4.0);
   body = join(body, zygoma(q, s) + kOverZygoma_mm, 4.0);
-  body = mouth(p, body, s);
+  body = mouth(p, jaw, body, s);
   body = without(body, ellipsoid(q, {16, -96, 14}, {3, 6, 3}), 2.0);    // Medial canthus.
   return without(body, ellipsoid(q, {46.5, -86, 14}, {3, 8, 3}), 2.0);  // Lateral canthus.
 }

@@ -32,6 +32,7 @@ struct HeadShape {
   double lips_mm = 0.0;                   ///< Anterior, relative to the incisors.
   double palate_mm = 0.0;                 ///< Length.
   /// Of the mandible about its condyles, 0 to 0.1: an open bite. The chin follows, the lips do not.
+  /// A rotation before the scale.
   double opening_rad = 0.0;
   Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();

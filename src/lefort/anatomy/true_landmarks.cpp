@@ -98,7 +98,7 @@ class TrueLandmarks {
     const HeadShape& s = head_.shape();
     return mean + Vec3(0.0, s.upper_incisors_mm.y() - s.lips_mm, s.upper_incisors_mm.z());
   }
-  /// The same of the mandible.
+  /// A point of the mandible of the mean head, in L.
   [[nodiscard]] Vec3 place_opened(const Vec3& mean) const {
     return head_.X_LH() * head_.from_mean(head_.opened(mean));
   }

@@ -1,6 +1,6 @@
 #include <lefort/core/parallel.h>
-#include <lefort/dental/beyond_border.h>
 #include <lefort/dental/blocked_space.h>
+#include <lefort/dental/faced_gap.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,26 +13,23 @@ constexpr double kBand_mm = 1.0;
 
 /// Distance into the arch, which has grown by the clearance, within kBand_mm.
 double level_at(const geometry::Bvh& arch, const Vec3& p, double clearance_mm) {
-  const double reach_mm = kBand_mm + clearance_mm;
-  const auto nearest = arch.closest_point(p, reach_mm);
-  if (!nearest) return -kBand_mm;
-  const Vec3 normal =
-      arch.pseudonormals().at(arch.mesh(), nearest->triangle, nearest->feature).normalized();
-  const Vec3 offset = p - nearest->point;
+  const auto there = offset_from(arch, p, kBand_mm + clearance_mm);
+  if (!there) return -kBand_mm;
   // Behind the border of an open surface a point is neither inside nor outside.
-  const bool is_inside = normal.dot(offset) < 0.0 && !is_beyond_border(offset, normal);
-  return clearance_mm + (is_inside ? nearest->distance_mm : -nearest->distance_mm);
+  const bool is_inside = there->along_mm < 0.0 && !there->is_beyond;
+  return clearance_mm + (is_inside ? there->distance_mm : -there->distance_mm);
 }
 
 }  // namespace
 
 BlockedSpace block_space(const geometry::Bvh& arch, const image::Grid& grid, bool is_upper,
-                         double clearance_mm) {
+                         double clearance_mm, const Progress& progress) {
   BlockedSpace space{{grid, std::vector<float>(std::size_t(grid.voxel_count()))},
                      std::vector<double>(std::size_t(grid.size[0] * grid.size[1]),
                                          std::numeric_limits<double>::quiet_NaN())};
   const Index layers = grid.size[2];
   parallel_for(grid.size[0] * grid.size[1], [&](Index column) {
+    if (progress.stop_requested()) return;
     const Index i = column % grid.size[0], j = column / grid.size[0];
     float deepest = -float(kBand_mm);  // What lies behind is blocked at least as much.
     for (Index n = 0; n < layers; ++n) {

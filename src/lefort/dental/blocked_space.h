@@ -3,7 +3,6 @@
 #pragma once
 
 #include <lefort/core/progress.h>
-#include <lefort/dental/measure_occlusion.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/image/volume.h>
 
@@ -11,21 +10,23 @@
 
 namespace lefort::dental {
 
-/// An arch with its clearance, and all that lies behind it, on a grid whose k axis is the direction
-/// of insertion.
+/// An arch that has grown by a clearance, and all that lies behind it, on a grid whose k axis is
+/// the direction of insertion.
 struct BlockedSpace {
-  /// Positive inside [mm]; near the border the distance to it, at most kBand_mm.
+  /// Positive inside [mm]. Near the border, up to 1 mm, the distance to it.
   image::ScalarVolume level;
-  /// For each column of the grid (i fastest): the height above k = 0 [mm] where the arch begins, as
-  /// seen from the other arch; NaN where it has nothing.
+  /// For each column of the grid (i fastest): the height above k = 0 [mm] where the blocked space
+  /// begins, as seen from the other arch; NaN where the arch has nothing.
   std::vector<double> border_mm;
 };
 
 /// \param arch          the surface, outward.
 /// \param grid          of the result.
 /// \param is_upper      whether the arch lies towards growing k.
-/// \param clearance_mm  added to the arch.
+/// \param clearance_mm  by which the arch grows.
+/// \param progress      may cancel; the result then is not complete.
 [[nodiscard]] BlockedSpace block_space(const geometry::Bvh& arch, const image::Grid& grid,
-                                       bool is_upper, double clearance_mm);
+                                       bool is_upper, double clearance_mm,
+                                       const Progress& progress = Progress::none());
 
 }  // namespace lefort::dental

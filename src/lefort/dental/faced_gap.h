@@ -10,13 +10,33 @@
 
 namespace lefort::dental {
 
+/// A point relative to the closest point of a surface.
+struct SurfaceOffset {
+  Vec3 point, normal;        ///< Of the surface; the normal has unit length.
+  double distance_mm = 0.0;  ///< >= 0.
+  double along_mm = 0.0;     ///< Along the normal; negative inside.
+  bool is_beyond = false;    ///< Whether the surface ends before the point (is_beyond_border()).
+};
+
+/// \returns nothing if the surface is further away than `reach_mm`.
+[[nodiscard]] inline std::optional<SurfaceOffset> offset_from(const geometry::Bvh& surface,
+                                                              const Vec3& p, double reach_mm) {
+  const auto nearest = surface.closest_point(p, reach_mm);
+  if (!nearest) return std::nullopt;
+  const Vec3 normal =
+      surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature).normalized();
+  const Vec3 offset = p - nearest->point;
+  return SurfaceOffset{nearest->point, normal, nearest->distance_mm, normal.dot(offset),
+                       is_beyond_border(offset, normal)};
+}
+
 /// The gap of a point over a surface that faces it.
 struct FacedGap {
   double gap_mm = 0.0;  ///< Negative: the point penetrates the surface.
   Vec3 point, normal;   ///< Of the surface.
 };
 
-/// Cosine of the largest angle between normals that face each other.
+/// Normals that face each other have a smaller cosine.
 inline constexpr double kFacingCosine = -0.2;
 
 /// \param p, n      a point of the other arch and its normal, in the frame of the surface.
@@ -24,14 +44,9 @@ inline constexpr double kFacingCosine = -0.2;
 /// \returns nothing if the surface is further away, does not face the point, or ends before it.
 [[nodiscard]] inline std::optional<FacedGap> gap_over(const geometry::Bvh& surface, const Vec3& p,
                                                       const Vec3& n, double reach_mm) {
-  const auto nearest = surface.closest_point(p, reach_mm);
-  if (!nearest) return std::nullopt;
-  const Vec3 there =
-      surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature).normalized();
-  if (!(there.dot(n) < kFacingCosine)) return std::nullopt;
-  const Vec3 offset = p - nearest->point;
-  if (is_beyond_border(offset, there)) return std::nullopt;
-  return FacedGap{there.dot(offset), nearest->point, there};
+  const auto there = offset_from(surface, p, reach_mm);
+  if (!there || there->is_beyond || !(there->normal.dot(n) < kFacingCosine)) return std::nullopt;
+  return FacedGap{there->along_mm, there->point, there->normal};
 }
 
 }  // namespace lefort::dental

@@ -1,11 +1,11 @@
 #include <lefort/core/decompositions.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
+#include <lefort/dental/check_arch.h>
 #include <lefort/dental/faced_gap.h>
 #include <lefort/dental/find_occlusion.h>
 #include <lefort/dental/gap_grid.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/rigid_motion.h>
 
 #include <fmt/format.h>
@@ -232,20 +232,18 @@ double distance_between(const RigidTransform& a, const RigidTransform& b, const 
 
 std::vector<RigidTransform> starts_of(const ArchAxes& axes, const OcclusionOptions& options,
                                       const Vec3& center) {
+  const auto multiples = [](double spacing) {
+    return spacing > 0.0 ? std::vector<double>{0.0, -1.0, 1.0, -2.0, 2.0}
+                         : std::vector<double>{0.0};
+  };
   std::vector<RigidTransform> starts;
-  for (const double ahead : {0.0, -1.0, 1.0, -2.0, 2.0})
-    for (const double aside : {0.0, -1.0, 1.0, -2.0, 2.0})
-      for (const double yaw : {0.0, -1.0, 1.0, -2.0, 2.0})
+  for (const double ahead : multiples(options.shift_mm))
+    for (const double aside : multiples(options.shift_mm))
+      for (const double yaw : multiples(options.yaw_deg))
         starts.push_back(geometry::rigid_motion(
             options.shift_mm * (ahead * axes.anterior_L + aside * axes.left_L()),
             radians_from_degrees(yaw * options.yaw_deg) * axes.superior_L, center));
   return starts;
-}
-
-Vec3 mean_of(const std::vector<Vec3>& points) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : points) sum += p / double(points.size());
-  return sum;
 }
 
 /// Ends of the first stages, each once, within reach.
@@ -290,6 +288,7 @@ Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes
     best_cost = cost;
     best = end;
   }
+  progress.begin_stage("refine the occlusion");
   if (best) best = minimize(arches, true, *best, kFine);
   if (best) return *best;
   return fail(
@@ -315,18 +314,19 @@ RigidTransform without_penetration(const Arches& arches, RigidTransform X, const
 Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
                                  const ArchAxes& axes, const OcclusionOptions& options,
                                  Progress& progress) {
-  LEFORT_TRY_VOID(geometry::check_surface(upper_L));
-  LEFORT_TRY_VOID(geometry::check_surface(lower_L));
+  LEFORT_TRY_VOID(check_arch(upper_L, "upper", -axes.superior_L));
+  LEFORT_TRY_VOID(check_arch(lower_L, "lower", axes.superior_L));
   if (!(options.shift_mm >= 0.0 && options.shift_mm <= 5.0) ||
       !(options.yaw_deg >= 0.0 && options.yaw_deg <= 10.0))
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("the spacing of the starts is {} mm and {} degrees, must be 0 to 5 and 0 to 10",
                     options.shift_mm, options.yaw_deg));
+  progress.begin_stage("search the occlusion");
   const Arches arches{Bvh(upper_L), Bvh(lower_L)};
   const SearchedArches searched{SearchedArch(arches.upper, -axes.superior_L),
-                                SearchedArch(arches.lower, axes.superior_L),
-                                mean_of(lower_L.vertices), axes.superior_L};
+                                SearchedArch(arches.lower, axes.superior_L), mean_vertex(lower_L),
+                                axes.superior_L};
   LEFORT_TRY(const RigidTransform closed, search(searched, axes, options, progress));
   Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes), axes);
   const OcclusalContacts& contacts = found.contacts;
@@ -334,7 +334,7 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
       contacts.left_mm2 + contacts.right_mm2 <= 0.0)
     return fail(ErrorCode::kNotConverged,
                 fmt::format("the arches cannot touch without penetration: {:.2f} mm deep, must be "
-                            "{:g} or less; are the surfaces in the same frame, and outward?",
+                            "{:g} or less; are the surfaces in the same frame?",
                             contacts.max_penetration_mm, kMaxOcclusalPenetration_mm));
   return found;
 }

@@ -11,27 +11,27 @@
 namespace lefort::dental {
 
 struct OcclusionOptions {
-  double shift_mm = 2.0;  ///< Between starts, in the occlusal plane; 0 to 5.
-  double yaw_deg = 3.0;   ///< Between starts, about the superior direction; 0 to 10.
+  double shift_mm =
+      2.0;               ///< Between the five starts along each axis of the occlusal plane; 0 to 5.
+  double yaw_deg = 3.0;  ///< Between the five starts about the superior direction; 0 to 10.
 };
 
 /// Moves the lower arch to the position in which both arches are as close as possible, without
 /// penetration by more than kMaxOcclusalPenetration_mm (\cite nadjmi2010, \cite chang2010,
 /// \cite deng2020).
 ///
-/// From each of 27 starts around the given position the distances between facing surfaces are
+/// From starts on a grid around the given position the distances between facing surfaces are
 /// minimized, from both arches, with weights of Geman and McClure that become narrower and a
-/// penalty of penetration that grows (\cite blake1987): Gauss-Newton steps of six unknowns. Of the
-/// ends within 9 mm, that with the largest facing area is refined.
+/// penalty of penetration that grows (\cite blake1987): damped Gauss-Newton steps of six unknowns,
+/// on GapGrid. Of the ends within 12 mm, that with the lowest cost is refined with exact gaps.
 ///
 /// \param upper_L   crowns of the upper arch; open or closed.
 /// \param lower_L   crowns of the lower arch at the start.
 /// \param axes      of the arches.
 /// \param options   the starts.
 /// \returns the occlusion, or
-///   - kInvalidArgument  an option is out of range, or a surface is unusable;
-///   - kNotConverged     no occlusion is found within 9 mm, or only with penetration, as if
-///     triangles face inward;
+///   - kInvalidArgument  an option is out of range; see check_arch();
+///   - kNotConverged     no occlusion is found within 12 mm, or only with penetration;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Occlusion> find_occlusion(const geometry::TriangleMesh& upper_L,

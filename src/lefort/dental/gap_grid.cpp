@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/dental/beyond_border.h>
+#include <lefort/dental/faced_gap.h>
 #include <lefort/dental/gap_grid.h>
 
 #include <cmath>
@@ -21,14 +21,9 @@ GapGrid::GapGrid(const geometry::Bvh& surface, std::span<const Vec3> points) {
     for (Index i = 0; i < size_[0]; ++i) {
       const Vec3 p =
           low_ + kSpacing_mm * Vec3(double(i), double(line % size_[1]), double(line / size_[1]));
-      const auto nearest = surface.closest_point(p, kReach_mm);
-      if (!nearest) continue;
-      const Vec3 normal =
-          surface.pseudonormals().at(surface.mesh(), nearest->triangle, nearest->feature);
-      const Vec3 offset = p - nearest->point;
-      if (is_beyond_border(offset, normal.normalized())) continue;
-      gaps_mm_[std::size_t(line * size_[0] + i)] =
-          float(std::copysign(nearest->distance_mm, normal.dot(offset)));
+      const auto there = offset_from(surface, p, kReach_mm);
+      if (there && !there->is_beyond)
+        gaps_mm_[std::size_t(line * size_[0] + i)] = float(there->along_mm);
     }
   });
 }

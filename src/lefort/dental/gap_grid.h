@@ -6,18 +6,19 @@
 #include <lefort/dental/faced_gap.h>
 #include <lefort/geometry/bvh.h>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace lefort::dental {
 
-/// Between nodes the gap is trilinear; its error is that of cusps over the spacing.
+/// Between nodes the gap is trilinear, so that cusps smaller than the spacing are smoothed.
 class GapGrid {
  public:
   static constexpr double kReach_mm = 6.0, kSpacing_mm = 0.8;
 
-  /// \param surface  an arch.
+  /// \param surface  an arch. \pre it passed check_arch(), which limits the size of the grid.
   /// \param points   the part of it that can face others; gaps reach kReach_mm from their box.
   GapGrid(const geometry::Bvh& surface, std::span<const Vec3> points);
 

@@ -1,7 +1,9 @@
 #include <lefort/core/parallel.h>
+#include <lefort/dental/check_arch.h>
 #include <lefort/dental/faced_gap.h>
 #include <lefort/dental/measure_occlusion.h>
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/geometry/transform_mesh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +16,6 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 constexpr double kShownGap_mm = 3.0;
-
-Vec3 middle_of(const std::vector<Vec3>& points) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : points) sum += p / double(points.size());
-  return sum;
-}
 
 /// Deepest penetration of the vertices of `points`, moved by `X`, into `surface`.
 double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransform& X) {
@@ -35,16 +31,16 @@ double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransfor
 }
 
 /// The most occlusal point of the anterior teeth beside the midline.
-Vec3 incisal_edge(const std::vector<Vec3>& points, const Vec3& occlusal, const ArchAxes& axes) {
+Vec3 incisal_edge(const TriangleMesh& arch, const Vec3& occlusal, const ArchAxes& axes) {
   constexpr double kFront_mm = 8.0, kCentral_mm = 8.0;
-  const Vec3 middle = middle_of(points);
+  const Vec3 middle = mean_vertex(arch);
   double front_mm = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points)
+  for (const Vec3& p : arch.vertices)
     if (std::abs((p - middle).dot(axes.left_L())) < kCentral_mm)
       front_mm = std::max(front_mm, p.dot(axes.anterior_L));
   Vec3 edge = middle;
   double best_mm = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points) {
+  for (const Vec3& p : arch.vertices) {
     if (std::abs((p - middle).dot(axes.left_L())) >= kCentral_mm) continue;
     if (p.dot(axes.anterior_L) < front_mm - kFront_mm || p.dot(occlusal) <= best_mm) continue;
     best_mm = p.dot(occlusal);
@@ -79,7 +75,7 @@ std::vector<double> gaps_of(const Arches& arches, const RigidTransform& X_LB) {
 OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<double>& gaps_mm,
                              const ArchAxes& axes) {
   OcclusalContacts contacts;
-  const Vec3 middle = middle_of(lower_L.vertices);
+  const Vec3 middle = mean_vertex(lower_L);
   std::vector<char> touches(lower_L.vertices.size(), 0);
   for (std::size_t v = 0; v < gaps_mm.size(); ++v)
     touches[v] = gaps_mm[v] <= kContactGap_mm ? 1 : 0;
@@ -110,10 +106,9 @@ Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB,
   found.gaps_mm = gaps_of(arches, X_LB);
   found.contacts = contacts_of(arches.lower.mesh(), found.gaps_mm, axes);
   found.contacts.max_penetration_mm = max_penetration_mm(arches, X_LB);
-  std::vector<Vec3> moved = arches.lower.mesh().vertices;
-  for (Vec3& p : moved) p = X_LB * p;
-  const Vec3 between = incisal_edge(arches.upper.mesh().vertices, -axes.superior_L, axes) -
-                       incisal_edge(moved, axes.superior_L, axes);
+  const Vec3 between =
+      incisal_edge(arches.upper.mesh(), -axes.superior_L, axes) -
+      incisal_edge(geometry::transformed(arches.lower.mesh(), X_LB), axes.superior_L, axes);
   constexpr double kOtherTooth_mm = 4.0;
   const bool are_opposite = std::abs(between.dot(axes.left_L())) <= kOtherTooth_mm;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

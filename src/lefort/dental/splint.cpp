@@ -1,6 +1,7 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/core/parallel.h>
 #include <lefort/dental/blocked_space.h>
+#include <lefort/dental/check_arch.h>
 #include <lefort/dental/splint.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,8 +21,13 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Crowns are higher than this over the gingiva and the palate, heuristic.
 constexpr double kCrownHeight_mm = 6.0;
+/// Cusps and the fissures between them lie within this distance.
+constexpr double kCusps_mm = 4.0;
+/// How far the splint reaches over the cusps of the other arch, where that overlaps this one.
+constexpr double kOver_mm = 2.0;
 
 /// Values on the columns of a grid, i fastest.
 struct ColumnMap {
@@ -33,22 +38,31 @@ struct ColumnMap {
   [[nodiscard]] double at(Index i, Index j) const { return values[std::size_t(i + width * j)]; }
 };
 
-/// Applies `body(center, other, distance_mm)` to all columns within a radius of each column.
-template <class Body>
-ColumnMap map_near(const ColumnMap& map, double radius_mm, double start, const Body& body) {
-  ColumnMap result = map;
+/// Combines each value with those up to `radius_mm` away, along i and then along j:
+/// `combine(value, other, squared_mm)`.
+template <class Combine>
+ColumnMap filtered(ColumnMap map, double radius_mm, const Combine& combine) {
   const auto reach = Index(std::floor(radius_mm / map.spacing_mm));
-  parallel_for(map.width * map.height, [&](Index column) {
-    const Index i = column % map.width, j = column / map.width;
-    double value = start;
-    for (Index b = std::max<Index>(j - reach, 0); b <= std::min(j + reach, map.height - 1); ++b)
-      for (Index a = std::max<Index>(i - reach, 0); a <= std::min(i + reach, map.width - 1); ++a) {
-        const double distance_mm = map.spacing_mm * std::hypot(double(a - i), double(b - j));
-        if (distance_mm <= radius_mm) value = body(value, map.at(a, b), distance_mm);
+  for (const bool along_i : {true, false}) {
+    const ColumnMap before = map;
+    parallel_for(map.width * map.height, [&](Index column) {
+      const Index i = column % map.width, j = column / map.width;
+      const Index at = along_i ? i : j, size = along_i ? map.width : map.height;
+      double& value = map.values[std::size_t(column)];
+      for (Index n = std::max<Index>(at - reach, 0); n <= std::min(at + reach, size - 1); ++n) {
+        const double mm = map.spacing_mm * double(n - at);
+        value = combine(value, along_i ? before.at(n, j) : before.at(i, n), mm * mm);
       }
-    result.values[std::size_t(column)] = value;
+    });
+  }
+  return map;
+}
+
+/// Largest value of a square around each column; NaN is left out.
+ColumnMap highest_around(const ColumnMap& map, double radius_mm) {
+  return filtered(map, radius_mm, [](double value, double other, double) {
+    return std::isnan(value) || other > value ? other : value;
   });
-  return result;
 }
 
 /// Mean over a square; NaN is left out.
@@ -87,48 +101,88 @@ double percentile(std::vector<double> values, double part) {
   return values[std::size_t(n)];
 }
 
-/// What a splint covers of an arch.
+/// What a splint covers of an arch. Heights grow towards the other arch.
 struct Cover {
   ColumnMap heights;  ///< Of the arch where it is covered, NaN elsewhere.
-  ColumnMap limits;   ///< How far the splint reaches; defined everywhere.
+  ColumnMap cusps;    ///< The highest covered ones around, as far as the splint reaches; or NaN.
 };
 
 /// Covered is what lies less than `cover_mm` behind the cusps around, and belongs to the crowns.
-Cover cover_of(const BlockedSpace& space, bool is_upper, double cover_mm) {
-  constexpr double kCusps_mm = 4.0, kCuspPart = 0.98, kSmooth_mm = 1.5;
+Cover cover_of(const BlockedSpace& space, bool is_upper, const SplintOptions& options) {
+  constexpr double kCuspPart = 0.98;
   Cover cover{heights_of(space, is_upper), {}};
-  const double cusps_mm = percentile(cover.heights.values, kCuspPart);
-  const auto higher = [](double value, double other, double) {
-    return std::isnan(other) ? value : std::max(value, other);
-  };
-  ColumnMap around =
-      map_near(cover.heights, kCusps_mm, -std::numeric_limits<double>::infinity(), higher);
+  const double gingiva_mm = percentile(cover.heights.values, kCuspPart) - kCrownHeight_mm;
+  const ColumnMap around = highest_around(cover.heights, kCusps_mm);
   for (std::size_t c = 0; c < around.values.size(); ++c) {
     double& height = cover.heights.values[c];
-    double& level = around.values[c];
-    if (!(height >= std::max(level - cover_mm, cusps_mm - kCrownHeight_mm))) height = kNone;
-    level = std::max(level, cusps_mm - kCrownHeight_mm) - cover_mm;
+    if (!(height >= std::max(around.values[c] - options.cover_mm, gingiva_mm))) height = kNone;
   }
-  cover.limits = smoothed(around, kSmooth_mm);
+  cover.cusps = highest_around(cover.heights, kCusps_mm + options.wall_mm);
   return cover;
 }
 
-/// Distance from the covered columns of both arches in the occlusal plane, up to `limit_mm`.
-ColumnMap distance_to_cover(const Cover& upper, const Cover& lower, double limit_mm) {
-  ColumnMap covered = lower.heights;
-  for (std::size_t c = 0; c < covered.values.size(); ++c)
-    if (std::isnan(covered.values[c])) covered.values[c] = upper.heights.values[c];
-  const ColumnMap distance =
-      map_near(covered, limit_mm, limit_mm, [](double value, double other, double distance_mm) {
-        return std::isnan(other) ? value : std::min(value, distance_mm);
-      });
-  return smoothed(distance, distance.spacing_mm);
+/// Whether what is covered extends over most of the arch along i and j. It does not if the
+/// directions are tilted.
+bool spans_arch(const Cover& cover, const BlockedSpace& space) {
+  constexpr double kMinPart = 0.6;
+  Eigen::AlignedBox<double, 2> arch, covered;
+  for (Index j = 0; j < cover.heights.height; ++j)
+    for (Index i = 0; i < cover.heights.width; ++i) {
+      const Eigen::Vector2d at(static_cast<double>(i), static_cast<double>(j));
+      if (!std::isnan(space.border_mm[std::size_t(i + cover.heights.width * j)])) arch.extend(at);
+      if (!std::isnan(cover.heights.at(i, j))) covered.extend(at);
+    }
+  return !covered.isEmpty() && (covered.sizes().array() >= kMinPart * arch.sizes().array()).all();
+}
+
+/// Heights between which the body lies, and its distance from the covered columns of both arches in
+/// the occlusal plane. NaN: no body.
+struct BodyLimits {
+  ColumnMap low, high, away;
+};
+
+BodyLimits limits_of(const Cover& upper, const Cover& lower, const SplintOptions& options) {
+  constexpr double kSmooth_mm = 1.5;
+  BodyLimits limits{lower.cusps, lower.cusps, lower.heights};
+  for (std::size_t c = 0; c < limits.low.values.size(); ++c) {
+    const double from_below = lower.cusps.values[c], from_above = -upper.cusps.values[c];
+    limits.low.values[c] = std::fmin(from_below - options.cover_mm, from_above - kOver_mm);
+    limits.high.values[c] = std::fmax(from_above + options.cover_mm, from_below + kOver_mm);
+    const bool is_covered =
+        !std::isnan(lower.heights.values[c]) || !std::isnan(upper.heights.values[c]);
+    limits.away.values[c] = is_covered ? 0.0 : kInfinity;
+  }
+  limits.low = smoothed(limits.low, kSmooth_mm);
+  limits.high = smoothed(limits.high, kSmooth_mm);
+  const double spacing_mm = limits.away.spacing_mm, far_mm = options.wall_mm + 2.0 * spacing_mm;
+  limits.away = filtered(limits.away, far_mm, [](double value, double other, double squared_mm) {
+    return std::min(value, other + squared_mm);
+  });
+  for (double& value : limits.away.values) value = std::min(std::sqrt(value), far_mm);
+  limits.away = smoothed(limits.away, spacing_mm);
+  return limits;
+}
+
+/// Smallest thickness where the splint covers one arch and the other one is opposite; NaN if they
+/// are opposite nowhere.
+double min_thickness(const BlockedSpace& upper, const BlockedSpace& lower, const Cover& from_upper,
+                     const Cover& from_lower, const BodyLimits& limits) {
+  double thickness_mm = kNone;
+  for (std::size_t c = 0; c < limits.low.values.size(); ++c) {
+    const double top = upper.border_mm[c], bottom = lower.border_mm[c];
+    if (std::isnan(top) || std::isnan(bottom)) continue;
+    if (std::isnan(from_upper.heights.values[c]) && std::isnan(from_lower.heights.values[c]))
+      continue;
+    thickness_mm = std::fmin(thickness_mm, std::fmin(top, limits.high.values[c]) -
+                                               std::fmax(bottom, limits.low.values[c]));
+  }
+  return thickness_mm;
 }
 
 /// The grid around both arches where they face each other, along the directions of the arches.
 Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
                                  const ArchAxes& axes, const SplintOptions& options) {
-  constexpr double kMaxArch_mm = 150.0, kMaxGap_mm = 20.0;
+  constexpr double kMaxGap_mm = 20.0, kSpare_mm = 3.0, kMaxVoxels = 1e8;
   image::Grid grid;
   grid.direction << axes.left_L(), -axes.anterior_L, axes.superior_L;
   grid.spacing_mm = Vec3::Constant(options.voxel_mm);
@@ -138,74 +192,90 @@ Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh
     return box;
   };
   const Box3 upper = box_of(upper_L), lower = box_of(lower_L);
-  Box3 box = upper.merged(lower);
-  if (box.sizes().head<2>().maxCoeff() > kMaxArch_mm ||
-      upper.min().z() - lower.max().z() > kMaxGap_mm)
+  const double gap_mm = upper.min().z() - lower.max().z();
+  if (!(std::abs(gap_mm) <= kMaxGap_mm))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the arches are {:.0f} x {:.0f} mm large and {:.0f} mm apart, must be "
-                            "{:g} and {:g} or less: are both in mm, and in occlusion?",
-                            box.sizes().x(), box.sizes().y(), upper.min().z() - lower.max().z(),
-                            kMaxArch_mm, kMaxGap_mm));
-  const double margin_mm = options.wall_mm + 4.0 * options.voxel_mm;
+                fmt::format("the arches are {:.0f} mm apart, must be {:g} to {:g} mm: are they in "
+                            "the same frame?",
+                            gap_mm, -kMaxGap_mm, kMaxGap_mm));
+  Box3 box = upper.merged(lower);
+  const double margin_mm = options.wall_mm + options.clearance_mm + 4.0 * options.voxel_mm;
   // Heights between the cusps and what is covered of the lowest crowns.
-  const double below =
-      std::min(lower.max().z(), upper.min().z()) - kCrownHeight_mm - options.cover_mm;
-  const double above =
-      std::max(lower.max().z(), upper.min().z()) + kCrownHeight_mm + options.cover_mm;
-  box.min() = Vec3(box.min().x() - margin_mm, box.min().y() - margin_mm, below);
-  box.max() = Vec3(box.max().x() + margin_mm, box.max().y() + margin_mm, above);
+  const double beyond_mm = kCrownHeight_mm + options.cover_mm + kSpare_mm;
+  const double low = std::min(lower.max().z(), upper.min().z()) - beyond_mm;
+  const double high = std::max(lower.max().z(), upper.min().z()) + beyond_mm;
+  box.min() = Vec3(box.min().x() - margin_mm, box.min().y() - margin_mm, low);
+  box.max() = Vec3(box.max().x() + margin_mm, box.max().y() + margin_mm, high);
+  const Vec3 voxels = (box.sizes() / options.voxel_mm).array().ceil() + 1.0;
+  if (!(voxels.prod() <= kMaxVoxels))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("a grid of {:.0f} million voxels is too large, must be {:.0f} million "
+                            "or less: use larger voxels",
+                            1e-6 * voxels.prod(), 1e-6 * kMaxVoxels));
   grid.origin_L = grid.direction * box.min();
-  for (Index axis = 0; axis < 3; ++axis)
-    grid.size[std::size_t(axis)] = Index(std::ceil(box.sizes()[axis] / options.voxel_mm)) + 1;
+  for (Index axis = 0; axis < 3; ++axis) grid.size[std::size_t(axis)] = Index(voxels[axis]);
   return grid;
 }
 
-/// Level of the splint: its body without both blocked spaces.
-image::ScalarVolume level_of(const BlockedSpace& upper, const BlockedSpace& lower,
-                             const SplintOptions& options, double& min_thickness_mm) {
-  const image::Grid& grid = upper.level.grid;
-  const Cover from_upper = cover_of(upper, true, options.cover_mm);
-  const Cover from_lower = cover_of(lower, false, options.cover_mm);
-  const ColumnMap away =
-      distance_to_cover(from_upper, from_lower, options.wall_mm + 2.0 * options.voxel_mm);
-  image::ScalarVolume level{grid, std::vector<float>(std::size_t(grid.voxel_count()))};
+/// Level of the splint: its body without both blocked spaces. Takes the place of that of `upper`.
+image::ScalarVolume level_of(BlockedSpace&& upper, const BlockedSpace& lower,
+                             const BodyLimits& limits, double wall_mm) {
+  image::ScalarVolume level = std::move(upper.level);
+  const image::Grid& grid = level.grid;
   parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
     const Index j = line % grid.size[1], k = line / grid.size[1];
     const double z = grid.spacing_mm.z() * double(k);
     for (Index i = 0; i < grid.size[0]; ++i) {
       const bool is_outermost = i == 0 || j == 0 || k == 0 || i + 1 == grid.size[0] ||
                                 j + 1 == grid.size[1] || k + 1 == grid.size[2];
-      const double body = std::min({options.wall_mm - away.at(i, j), z - from_lower.limits.at(i, j),
-                                    -from_upper.limits.at(i, j) - z});
-      const double blocked = std::max(upper.level.at(i, j, k), lower.level.at(i, j, k));
-      level.at(i, j, k) = is_outermost ? -1.0F : float(std::min(body, -blocked));
+      const double low = limits.low.at(i, j), high = limits.high.at(i, j);
+      const bool has_body = !is_outermost && !std::isnan(low) && !std::isnan(high);
+      const double blocked = std::max(level.at(i, j, k), lower.level.at(i, j, k));
+      const double body = std::min({wall_mm - limits.away.at(i, j), z - low, high - z});
+      level.at(i, j, k) = has_body ? float(std::min(body, -blocked)) : -1.0F;
     }
   });
-  min_thickness_mm = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < from_lower.heights.values.size(); ++c) {
-    const double between = -from_upper.heights.values[c] - from_lower.heights.values[c];
-    if (!std::isnan(between)) min_thickness_mm = std::min(min_thickness_mm, between);
-  }
   return level;
 }
 
+/// Vertices of an arch that the splint covers from the other arch.
+std::vector<char> covered_vertices(const Bvh& arch, const image::Grid& grid, const Cover& cover,
+                                   bool is_upper, double clearance_mm) {
+  constexpr double kFacing = 0.5, kDeep_mm = 0.5;
+  const TriangleMesh& mesh = arch.mesh();
+  const Vec3 occlusal = (is_upper ? -1.0 : 1.0) * grid.direction.col(2);
+  std::vector<char> covered(mesh.vertices.size(), 0);
+  parallel_for(mesh.vertex_count(), [&](Index v) {
+    const Vec3 at = grid.index_V(mesh.vertices[std::size_t(v)]);
+    const auto i = Index(std::lround(at.x())), j = Index(std::lround(at.y()));
+    const double z = (is_upper ? -1.0 : 1.0) * at.z() * grid.spacing_mm.z();
+    if (!grid.contains(i, j, 0)) return;
+    // As far below the border as the arch has grown, and a slope over half a voxel.
+    const double below_mm = cover.heights.at(i, j) - z;
+    if (below_mm <= clearance_mm + kDeep_mm &&
+        arch.pseudonormals().at_vertex(mesh, v).dot(occlusal) > kFacing)
+      covered[std::size_t(v)] = 1;
+  });
+  return covered;
+}
+
 /// \param occlusal  from the arch to the other one.
-SplintFit fit_of(const Bvh& arch, const Bvh& splint, const Vec3& occlusal) {
-  constexpr double kNear_mm = 0.5, kFacing = 0.5, kWay_mm = 10.0, kStep_mm = 0.5;
+SplintFit fit_of(const Bvh& arch, const Bvh& splint, const std::vector<char>& covered,
+                 const Vec3& occlusal, const Progress& progress) {
+  constexpr double kWay_mm = 10.0, kStep_mm = 0.5;
   const TriangleMesh& mesh = arch.mesh();
   std::vector<double> clearances(mesh.vertices.size(), kNone);
   std::vector<double> depths(mesh.vertices.size(), 0.0);
   const Box3 box = geometry::bounding_box(splint.mesh());
   parallel_for(mesh.vertex_count(), [&](Index v) {
+    if (progress.stop_requested()) return;
     const Vec3& p = mesh.vertices[std::size_t(v)];
+    if (covered[std::size_t(v)]) clearances[std::size_t(v)] = splint.signed_distance(p).distance_mm;
     for (double way_mm = 0.0; way_mm <= kWay_mm; way_mm += kStep_mm) {
       const Vec3 at = p - way_mm * occlusal;
-      if (box.exteriorDistance(at) > kNear_mm) continue;
-      const double gap_mm = splint.signed_distance(at).distance_mm;
-      depths[std::size_t(v)] = std::max(depths[std::size_t(v)], -gap_mm);
-      if (way_mm == 0.0 && gap_mm < kNear_mm &&
-          arch.pseudonormals().at_vertex(mesh, v).dot(occlusal) > kFacing)
-        clearances[std::size_t(v)] = gap_mm;
+      if (box.exteriorDistance(at) > 0.0) continue;
+      depths[std::size_t(v)] =
+          std::max(depths[std::size_t(v)], -splint.signed_distance(at).distance_mm);
     }
   });
   return {percentile(clearances, 0.05), percentile(clearances, 0.5), percentile(clearances, 0.95),
@@ -226,35 +296,67 @@ Result<void> check(const SplintOptions& options) {
                   options.clearance_mm, options.cover_mm, options.wall_mm, options.voxel_mm));
 }
 
-}  // namespace
-
-Result<Splint> make_splint(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
-                           const ArchAxes& axes, const SplintOptions& options, Progress& progress) {
-  LEFORT_TRY_VOID(check(options));
-  LEFORT_TRY_VOID(geometry::check_surface(upper_L));
-  LEFORT_TRY_VOID(geometry::check_surface(lower_L));
-  LEFORT_TRY(const image::Grid grid, grid_between(upper_L, lower_L, axes, options));
-  const Arches arches{Bvh(upper_L), Bvh(lower_L)};
-  progress.begin_stage("space of the arches");
-  const BlockedSpace upper = block_space(arches.upper, grid, true, options.clearance_mm);
-  if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the splint was cancelled");
-  progress.report(0.5);
-  const BlockedSpace lower = block_space(arches.lower, grid, false, options.clearance_mm);
-  progress.begin_stage("body of the splint");
-  Splint splint;
-  const image::ScalarVolume level = level_of(upper, lower, options, splint.min_thickness_mm);
+/// The surface of the level, and how many parts it has.
+Result<void> extract(const image::ScalarVolume& level, Splint& splint, Progress& progress) {
   constexpr double kMinPart_ml = 0.1;
   auto surface_L = anatomy::extract_isosurface(level, {kMinPart_ml}, progress);
   if (!surface_L && surface_L.error().code == ErrorCode::kMeshInvalid)
     return fail(ErrorCode::kMeshInvalid,
-                "there is no space for a splint between the arches: are upper and lower swapped, "
-                "or in different frames, or do triangles face inward?");
+                "there is no space for a splint between the arches: open them");
   LEFORT_TRY(splint.surface_L, std::move(surface_L));
+  splint.parts = geometry::connected_components(splint.surface_L).count;
   splint.volume_ml = 1e-3 * geometry::signed_volume_mm3(splint.surface_L);
+  return {};
+}
+
+Result<void> check_cover(const Cover& cover, const BlockedSpace& space, const char* name) {
+  if (spans_arch(cover, space)) return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the splint would cover a part of the {} arch only: the occlusal plane is "
+                  "tilted, give its directions with --arches",
+                  name));
+}
+
+}  // namespace
+
+Result<Splint> make_splint(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
+                           const ArchAxes& axes, const SplintOptions& options, Progress& progress) {
+  const auto cancelled = [] { return fail(ErrorCode::kCancelled, "the splint was cancelled"); };
+  LEFORT_TRY_VOID(check(options));
+  LEFORT_TRY_VOID(check_arch(upper_L, "upper", -axes.superior_L));
+  LEFORT_TRY_VOID(check_arch(lower_L, "lower", axes.superior_L));
+  LEFORT_TRY(const image::Grid grid, grid_between(upper_L, lower_L, axes, options));
+  const Arches arches{Bvh(upper_L), Bvh(lower_L)};
+  progress.begin_stage("space of the arches");
+  BlockedSpace upper = block_space(arches.upper, grid, true, options.clearance_mm, progress);
+  progress.report(0.5);
+  const BlockedSpace lower = block_space(arches.lower, grid, false, options.clearance_mm, progress);
+  if (progress.stop_requested()) return cancelled();
+  progress.begin_stage("body of the splint");
+  const Cover from_upper = cover_of(upper, true, options);
+  const Cover from_lower = cover_of(lower, false, options);
+  LEFORT_TRY_VOID(check_cover(from_upper, upper, "upper"));
+  LEFORT_TRY_VOID(check_cover(from_lower, lower, "lower"));
+  const BodyLimits limits = limits_of(from_upper, from_lower, options);
+  Splint splint;
+  splint.min_thickness_mm = min_thickness(upper, lower, from_upper, from_lower, limits);
+  if (std::isnan(splint.min_thickness_mm))
+    return fail(ErrorCode::kInvalidArgument,
+                "no tooth is opposite another one along the superior direction");
+  LEFORT_TRY_VOID(
+      extract(level_of(std::move(upper), lower, limits, options.wall_mm), splint, progress));
   progress.begin_stage("fit of the splint");
   const Bvh surface(splint.surface_L);
-  splint.upper = fit_of(arches.upper, surface, -axes.superior_L);
-  splint.lower = fit_of(arches.lower, surface, axes.superior_L);
+  splint.upper =
+      fit_of(arches.upper, surface,
+             covered_vertices(arches.upper, grid, from_upper, true, options.clearance_mm),
+             -axes.superior_L, progress);
+  splint.lower =
+      fit_of(arches.lower, surface,
+             covered_vertices(arches.lower, grid, from_lower, false, options.clearance_mm),
+             axes.superior_L, progress);
+  if (progress.stop_requested()) return cancelled();
   return splint;
 }
 

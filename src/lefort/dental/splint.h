@@ -19,19 +19,21 @@ struct SplintOptions {
 
 /// How an arch fits into a splint.
 struct SplintFit {
-  /// Clearance of the vertices that face the other arch and lie within 0.5 mm of the splint [mm];
-  /// NaN without such vertices.
+  /// Distance from the splint of the vertices that it covers and that face the other arch [mm];
+  /// negative: inside. NaN without such vertices.
   double p5_mm = 0.0, median_mm = 0.0, p95_mm = 0.0;
-  /// Deepest penetration of a vertex of the arch into the splint, at the end and on the way of
-  /// 10 mm in, along the direction of insertion [mm].
+  /// Deepest penetration of a vertex of the arch into the splint, at the end and on the way of 10
+  /// mm in, along the direction of insertion [mm].
   double max_penetration_mm = 0.0;
 };
 
 /// A splint in frame L.
 struct Splint {
   geometry::TriangleMesh surface_L;  ///< Closed.
+  Index parts = 0;                   ///< Connected ones; 1 unless both arches have the same gap.
   double volume_ml = 0.0;
-  /// Between the arches, along the direction of insertion; negative: the splint has a hole there.
+  /// Between the arches along the direction of insertion, where it covers one of them and the other
+  /// one is opposite; negative: the splint has a hole there.
   double min_thickness_mm = 0.0;
   SplintFit upper, lower;
 };
@@ -44,8 +46,9 @@ struct Splint {
 /// \param upper_L, lower_L  arches in the planned position, outward; open or closed.
 /// \param axes              of the arches.
 /// \returns the splint, or
-///   - kInvalidArgument  an option is out of range, a surface is unusable, or the arches are larger
-///     than 150 mm or further apart than 20 mm;
+///   - kInvalidArgument  an option is out of range; see check_arch(); the arches are further apart
+///     than 20 mm, or overlap by more; the grid would have more than 10^8 voxels; or the covered
+///     part spans less than 60 % of an arch, as if the directions were tilted;
 ///   - kMeshInvalid      nothing is left of the body;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.

@@ -55,15 +55,18 @@ struct SplintJob {
   std::filesystem::path upper, lower;  ///< Surfaces of the arches in frame L, as planned.
   /// arches.json of register_arches(), for the directions; without it those of the patient.
   std::optional<std::filesystem::path> arches;
-  /// Motions of the arches (.tfm) to the planned position; none unless given.
+  /// Motions of the arches (.tfm) to the planned position; none unless given. The directions of
+  /// `arches` move with the jaw they are of.
   std::optional<std::filesystem::path> upper_transform, lower_transform;
+  double open_mm = 0.0;  ///< The lower arch is moved to inferior before.
   dental::SplintOptions options;
   std::filesystem::path output;  ///< A folder; made if missing.
 };
 
 /// Makes a splint. Writes `splint.stl` and `splint.json`.
 ///
-/// \returns the summary, with a warning if the splint has holes or is thinner than 1 mm, or
+/// \returns the summary, with warnings if the splint has several parts, holes, or is thinner
+///   than 1 mm, or
 ///   - the errors of io::read_surface(), io::read_transform() and dental::make_splint();
 ///   - kFileCorrupt     `arches` is not of its format;
 ///   - kFileUnwritable  a result cannot be written.

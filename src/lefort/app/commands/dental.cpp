@@ -107,6 +107,11 @@ void add_splint(CLI::App& dental, CommandContext& context) {
   command->add_option("--upper-transform", job->upper_transform,
                       "Motion of the upper arch to the planned position, .tfm");
   command->add_option("--lower-transform", job->lower_transform, "The same of the lower arch");
+  command
+      ->add_option("--open", job->open_mm,
+                   "Move the lower arch to inferior before, if the teeth touch [mm]")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
   add_splint_options(*command, job->options);
   mark_path(
       command->add_option("-o,--output", job->output, "Folder for splint.stl and splint.json"),
@@ -115,7 +120,7 @@ void add_splint(CLI::App& dental, CommandContext& context) {
   command->footer(
       "Example:\n"
       "  lefort dental splint arches/upper.stl occlusion/lower.stl --arches arches/arches.json "
-      "-o splint/\n"
+      "--open 2 -o splint/\n"
       "Guide: docs/guide/dental.md. Not for clinical use.");
   command->callback([job, &context] {
     context.run("dental",

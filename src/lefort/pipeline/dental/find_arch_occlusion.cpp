@@ -1,5 +1,6 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
+#include <lefort/dental/check_arch.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/output_folder.h>
@@ -7,21 +8,16 @@
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
-#include <lefort/pipeline/dental/arch_axes.h>
+#include <lefort/pipeline/dental/arch_directions.h>
+#include <lefort/pipeline/dental/dental_json.h>
 #include <lefort/pipeline/json/json_values.h>
 
 #include <fmt/format.h>
-
-#include <cmath>
 
 namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-nlohmann::json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
 
 /// Movement of the lower arch: translation of its center in the directions of the arches, rotation.
 nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchAxes& axes,
@@ -39,7 +35,8 @@ nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchA
 Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress) {
   LEFORT_TRY(const geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
   LEFORT_TRY(const geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
-  LEFORT_TRY(const dental::ArchAxes axes, read_arch_axes(job.arches));
+  LEFORT_TRY(const ArchDirections directions, read_arch_directions(job.arches));
+  const dental::ArchAxes& axes = directions.axes;
   LEFORT_TRY(const dental::Occlusion found,
              dental::find_occlusion(upper_L, lower_L, axes, job.options, progress));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
@@ -49,14 +46,12 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   LEFORT_TRY_VOID(io::write_surface(job.output / "lower_contacts.vtp",
                                     geometry::transformed(lower_L, found.X_L_lower),
                                     {{"gap_mm", found.gaps_mm}}));
-  Vec3 center_L = Vec3::Zero();
-  for (const Vec3& p : lower_L.vertices) center_L += p / double(lower_L.vertices.size());
   const dental::OcclusalContacts& contacts = found.contacts;
   Summary summary;
   summary.json = {{"lefort_occlusion", 1},
                   {"notice", kNotForClinicalUse},
                   {"pose_4x4_row_major_mm_lps", as_json(found.X_L_lower)},
-                  {"movement", movement_json(found, axes, center_L)},
+                  {"movement", movement_json(found, axes, dental::mean_vertex(lower_L))},
                   {"contacts",
                    {{"left_mm2", contacts.left_mm2},
                     {"right_mm2", contacts.right_mm2},

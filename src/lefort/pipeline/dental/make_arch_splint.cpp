@@ -5,11 +5,13 @@
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
-#include <lefort/pipeline/dental/arch_axes.h>
+#include <lefort/pipeline/dental/arch_directions.h>
+#include <lefort/pipeline/dental/dental_json.h>
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <string>
+#include <utility>
 
 namespace lefort::pipeline {
 namespace {
@@ -19,23 +21,28 @@ namespace fs = std::filesystem;
 /// Thinner splints of acrylic break.
 constexpr double kMinThickness_mm = 1.0;
 
-Result<geometry::TriangleMesh> planned_arch(const fs::path& file,
-                                            const std::optional<fs::path>& transform,
-                                            Progress& progress) {
-  LEFORT_TRY(geometry::TriangleMesh arch_L, io::read_surface(file, progress));
-  if (!transform) return arch_L;
-  LEFORT_TRY(const RigidTransform X, io::read_transform(*transform));
-  return geometry::transformed(arch_L, X);
+Result<RigidTransform> motion_in(const std::optional<fs::path>& transform) {
+  if (!transform) return RigidTransform::Identity();
+  return io::read_transform(*transform);
+}
+
+/// The directions, moved with the jaw they are of.
+dental::ArchAxes moved(const ArchDirections& directions, const RigidTransform& X_upper,
+                       const RigidTransform& X_lower) {
+  dental::ArchAxes axes = directions.axes;
+  if (!directions.jaw) return axes;
+  const RigidTransform& X = *directions.jaw == anatomy::Tooth::kUpper ? X_upper : X_lower;
+  axes.superior_L = X.linear() * axes.superior_L;
+  axes.anterior_L = X.linear() * axes.anterior_L;
+  return axes;
 }
 
 nlohmann::json fit_json(const dental::SplintFit& fit) {
-  const auto number = [](double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-  };
-  return {
-      {"clearance_mm",
-       {{"p5", number(fit.p5_mm)}, {"median", number(fit.median_mm)}, {"p95", number(fit.p95_mm)}}},
-      {"max_penetration_mm", fit.max_penetration_mm}};
+  return {{"clearance_mm",
+           {{"p5", number_or_null(fit.p5_mm)},
+            {"median", number_or_null(fit.median_mm)},
+            {"p95", number_or_null(fit.p95_mm)}}},
+          {"max_penetration_mm", fit.max_penetration_mm}};
 }
 
 std::string text_of(const dental::Splint& splint, const fs::path& file) {
@@ -48,21 +55,32 @@ std::string text_of(const dental::Splint& splint, const fs::path& file) {
         "the way in {:.2f} mm",
         name, fit->median_mm, fit->p5_mm, fit->p95_mm, fit->max_penetration_mm);
   if (splint.min_thickness_mm < kMinThickness_mm)
-    text += fmt::format("\n  warning: {}: open the jaws until it is {:g} mm thick",
+    text += fmt::format("\n  warning: {}: open the jaws (--open) until it is {:g} mm thick",
                         splint.min_thickness_mm > 0.0 ? "the splint is thin"
                                                       : "the splint has holes where teeth touch",
                         kMinThickness_mm);
+  if (splint.parts > 1)
+    text +=
+        fmt::format("\n  warning: the splint has {} parts, which nothing connects: widen the wall",
+                    splint.parts);
   return text + fmt::format("\n{}", kNotForClinicalUse);
 }
 
 }  // namespace
 
 Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
-  LEFORT_TRY(const geometry::TriangleMesh upper_L,
-             planned_arch(job.upper, job.upper_transform, progress));
-  LEFORT_TRY(const geometry::TriangleMesh lower_L,
-             planned_arch(job.lower, job.lower_transform, progress));
-  LEFORT_TRY(const dental::ArchAxes axes, read_arch_axes(job.arches));
+  LEFORT_TRY(geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
+  LEFORT_TRY(geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
+  LEFORT_TRY(const RigidTransform X_upper, motion_in(job.upper_transform));
+  LEFORT_TRY(RigidTransform X_lower, motion_in(job.lower_transform));
+  LEFORT_TRY(const ArchDirections directions, read_arch_directions(job.arches));
+  if (!(job.open_mm >= 0.0 && job.open_mm <= 20.0))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the arches are opened by {} mm, must be 0 to 20", job.open_mm));
+  const dental::ArchAxes axes = moved(directions, X_upper, X_lower);
+  X_lower.translation() -= job.open_mm * axes.superior_L;
+  upper_L = geometry::transformed(upper_L, X_upper);
+  lower_L = geometry::transformed(lower_L, X_lower);
   LEFORT_TRY(const dental::Splint splint,
              dental::make_splint(upper_L, lower_L, axes, job.options, progress));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
@@ -72,6 +90,7 @@ Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
   summary.json = {{"lefort_splint", 1},
                   {"notice", kNotForClinicalUse},
                   {"volume_ml", splint.volume_ml},
+                  {"parts", splint.parts},
                   {"min_thickness_mm", splint.min_thickness_mm},
                   {"upper", fit_json(splint.upper)},
                   {"lower", fit_json(splint.lower)}};

@@ -1,5 +1,5 @@
 #include <lefort/io/read_text.h>
-#include <lefort/pipeline/dental/arch_axes.h>
+#include <lefort/pipeline/dental/arch_directions.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxArchesBytes = 1 << 20;
 
 /// The directions of the upper arch, or else of the lower one.
-Result<dental::ArchAxes> axes_in(const fs::path& file) {
+Result<ArchDirections> directions_in(const fs::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxArchesBytes));
   const auto json = nlohmann::json::parse(text, nullptr, false);
   const auto corrupt = [&](const std::string& what) {
@@ -45,14 +45,14 @@ Result<dental::ArchAxes> axes_in(const fs::path& file) {
   if (is_upper) axes.superior_L = -axes.superior_L;
   if (std::abs(axes.superior_L.dot(axes.anterior_L)) > 1e-3)
     return corrupt("the directions are not perpendicular");
-  return axes;
+  return ArchDirections{axes, is_upper ? anatomy::Tooth::kUpper : anatomy::Tooth::kLower};
 }
 
 }  // namespace
 
-Result<dental::ArchAxes> read_arch_axes(const std::optional<fs::path>& arches) {
-  if (!arches) return dental::ArchAxes{};
-  return axes_in(*arches);
+Result<ArchDirections> read_arch_directions(const std::optional<fs::path>& arches) {
+  if (!arches) return ArchDirections{};
+  return directions_in(*arches);
 }
 
 }  // namespace lefort::pipeline
