@@ -46,7 +46,7 @@ TEST(FindOcclusion, returns_to_the_known_occlusion) {
   }
 }
 
-/// On the grid gaps are those of closest points, but for cusps smaller than its spacing.
+/// On the grid gaps are those of closest points, except for cusps smaller than its spacing.
 TEST(FindOcclusion, gaps_on_the_grid_are_nearly_exact) {
   const geometry::TriangleMesh upper_L = test::make_arch(kShape, true);
   const geometry::TriangleMesh lower_L = test::make_arch(kShape);

@@ -16,7 +16,7 @@ inline constexpr double kMaxArch_mm = 150.0;
 /// \param name      "upper" or "lower", for messages.
 /// \param occlusal  unit vector from the arch to the other one.
 /// \returns kInvalidArgument if the surface is unusable, larger than kMaxArch_mm, or its triangles
-///   face inward: its vector area, or its volume if it is closed, is negative.
+///   face inward: its vector area, or its volume if it is nearly closed, is negative.
 [[nodiscard]] Result<void> check_arch(const geometry::TriangleMesh& arch, const std::string& name,
                                       const Vec3& occlusal);
 

@@ -267,29 +267,58 @@ Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches, con
   return ends;
 }
 
-/// The end of the coarse search with the lowest cost.
+/// An end of the search.
+struct SearchEnd {
+  RigidTransform X;
+  double cost = 0.0;
+};
+
+/// Compares ends by area within about this gap.
+constexpr Stage kCompared{1.5, 25.0, 0};
+
+/// The ends of the coarse search with the lowest costs, the lowest one first.
+Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches, const ArchAxes& axes,
+                                           const OcclusionOptions& options, Progress& progress) {
+  constexpr double kSame_mm = 0.2;
+  constexpr std::size_t kRefined = 4;
+  const Vec3& center = arches.center_of_lower;
+  LEFORT_TRY(const std::vector<RigidTransform> firsts,
+             first_ends(arches, axes, starts_of(axes, options, center), progress));
+  std::vector<SearchEnd> ends, kept;
+  for (std::size_t n = 0; n < firsts.size(); ++n) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
+    progress.report(0.5 + 0.5 * double(n) / double(firsts.size()));
+    const auto end = minimize(arches, false, firsts[n], kCoarse);
+    if (end && distance_between(*end, RigidTransform::Identity(), center, axes) <= kMaxMovement_mm)
+      ends.push_back({*end, sum_gaps(arches, false, *end, kCompared).cost});
+  }
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const SearchEnd& a, const SearchEnd& b) { return a.cost < b.cost; });
+  for (const SearchEnd& end : ends)
+    if (kept.size() < kRefined &&
+        std::none_of(kept.begin(), kept.end(), [&](const SearchEnd& other) {
+          return distance_between(end.X, other.X, center, axes) < kSame_mm;
+        }))
+      kept.push_back(end);
+  return kept;
+}
+
+/// Refines the best ends with exact gaps. \returns that with the lowest cost.
 Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes,
                               const OcclusionOptions& options, Progress& progress) {
-  /// Compares ends by area within about this gap.
-  constexpr Stage kCompared{1.5, 25.0, 0};
-  const Vec3& center = arches.center_of_lower;
+  LEFORT_TRY(const std::vector<SearchEnd> ends, coarse_ends(arches, axes, options, progress));
+  progress.begin_stage("refine the occlusion");
   std::optional<RigidTransform> best;
   double best_cost = std::numeric_limits<double>::infinity();
-  LEFORT_TRY(const std::vector<RigidTransform> ends,
-             first_ends(arches, axes, starts_of(axes, options, center), progress));
-  for (std::size_t n = 0; n < ends.size(); ++n) {
+  for (const SearchEnd& end : ends) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
-    progress.report(0.5 + 0.5 * double(n) / double(ends.size()));
-    const auto end = minimize(arches, false, ends[n], kCoarse);
-    if (!end || distance_between(*end, RigidTransform::Identity(), center, axes) > kMaxMovement_mm)
-      continue;
-    const double cost = sum_gaps(arches, false, *end, kCompared).cost;
+    const auto refined = minimize(arches, true, end.X, kFine);
+    if (!refined) continue;
+    const double cost = sum_gaps(arches, true, *refined, kCompared).cost;
     if (cost >= best_cost) continue;
     best_cost = cost;
-    best = end;
+    best = refined;
   }
-  progress.begin_stage("refine the occlusion");
-  if (best) best = minimize(arches, true, *best, kFine);
   if (best) return *best;
   return fail(
       ErrorCode::kNotConverged,

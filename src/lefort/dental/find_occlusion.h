@@ -23,7 +23,8 @@ struct OcclusionOptions {
 /// From starts on a grid around the given position the distances between facing surfaces are
 /// minimized, from both arches, with weights of Geman and McClure that become narrower and a
 /// penalty of penetration that grows (\cite blake1987): damped Gauss-Newton steps of six unknowns,
-/// on GapGrid. Of the ends within 12 mm, that with the lowest cost is refined with exact gaps.
+/// on GapGrid. Of the ends within 12 mm, the best four are refined with exact gaps, and the one
+/// with the lowest cost is taken.
 ///
 /// \param upper_L   crowns of the upper arch; open or closed.
 /// \param lower_L   crowns of the lower arch at the start.
