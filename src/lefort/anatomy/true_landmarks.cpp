@@ -135,7 +135,8 @@ class TrueLandmarks {
       at_["Po" + side] =
           march(skull_, place({sign * 85.0, 0.0, 0.2}), head_.X_LH().linear() * Vec3(-sign, 0, 0));
       std::optional<Vec3> lowest;
-      for (double x = 33.0 - kHalf_mm; x <= 33.0 + kHalf_mm; x += kStep_mm) {
+      for (int n = 0; n <= int(2.0 * kHalf_mm / kStep_mm); ++n) {
+        const double x = 33.0 - kHalf_mm + kStep_mm * n;
         const Vec3 p =
             climb_in_section(skull_, place({sign * x, -77.0, -1.0 - s.orbit_mm}), {0, -1, 1});
         if (!lowest || R_LF_.col(2).dot(p) < R_LF_.col(2).dot(*lowest)) lowest = p;
@@ -233,7 +234,8 @@ class TrueLandmarks {
     };
     const double line_mm = lips(kStomion).z();
     Vec3 end = skin_at(kFrom_mm, line_mm);
-    for (double x = kFrom_mm; x <= kTo_mm; x += kStep_mm) {
+    for (int n = 0; n <= int((kTo_mm - kFrom_mm) / kStep_mm); ++n) {
+      const double x = kFrom_mm + kStep_mm * n;
       const Vec3 p = skin_at(x, line_mm);
       const double above_mm = inwards.dot(p - skin_at(x, line_mm + kSide_mm));
       const double below_mm = inwards.dot(p - skin_at(x, line_mm - kSide_mm));

@@ -18,9 +18,9 @@ GapGrid::GapGrid(const geometry::Bvh& surface, std::span<const Vec3> points) {
   gaps_mm_.assign(std::size_t(size_[0] * size_[1] * size_[2]),
                   std::numeric_limits<float>::quiet_NaN());
   parallel_for(size_[1] * size_[2], [&](Index line) {
+    const Index j = line % size_[1], k = line / size_[1];
     for (Index i = 0; i < size_[0]; ++i) {
-      const Vec3 p =
-          low_ + kSpacing_mm * Vec3(double(i), double(line % size_[1]), double(line / size_[1]));
+      const Vec3 p = low_ + kSpacing_mm * Vec3(double(i), double(j), double(k));
       const auto there = offset_from(surface, p, kReach_mm);
       if (there && !there->is_beyond)
         gaps_mm_[std::size_t(line * size_[0] + i)] = float(there->along_mm);

@@ -271,8 +271,8 @@ SplintFit fit_of(const Bvh& arch, const Bvh& splint, const std::vector<char>& co
     if (progress.stop_requested()) return;
     const Vec3& p = mesh.vertices[std::size_t(v)];
     if (covered[std::size_t(v)]) clearances[std::size_t(v)] = splint.signed_distance(p).distance_mm;
-    for (double way_mm = 0.0; way_mm <= kWay_mm; way_mm += kStep_mm) {
-      const Vec3 at = p - way_mm * occlusal;
+    for (int n = 0; n <= int(kWay_mm / kStep_mm); ++n) {
+      const Vec3 at = p - n * kStep_mm * occlusal;
       if (box.exteriorDistance(at) > 0.0) continue;
       depths[std::size_t(v)] =
           std::max(depths[std::size_t(v)], -splint.signed_distance(at).distance_mm);

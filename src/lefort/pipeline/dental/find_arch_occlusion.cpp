@@ -17,8 +17,6 @@
 namespace lefort::pipeline {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Movement of the lower arch: translation of its center in the directions of the arches, rotation.
 nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchAxes& axes,
                              const Vec3& center_L) {

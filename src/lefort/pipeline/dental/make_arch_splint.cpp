@@ -27,11 +27,12 @@ Result<RigidTransform> motion_in(const std::optional<fs::path>& transform) {
 }
 
 /// The directions, moved with the jaw they are of.
-dental::ArchAxes moved(const ArchDirections& directions, const RigidTransform& X_upper,
-                       const RigidTransform& X_lower) {
+/// \param X_LU, X_LB  motions of the upper and of the lower jaw.
+dental::ArchAxes moved(const ArchDirections& directions, const RigidTransform& X_LU,
+                       const RigidTransform& X_LB) {
   dental::ArchAxes axes = directions.axes;
   if (!directions.jaw) return axes;
-  const RigidTransform& X = *directions.jaw == anatomy::Tooth::kUpper ? X_upper : X_lower;
+  const RigidTransform& X = *directions.jaw == anatomy::Tooth::kUpper ? X_LU : X_LB;
   axes.superior_L = X.linear() * axes.superior_L;
   axes.anterior_L = X.linear() * axes.anterior_L;
   return axes;
