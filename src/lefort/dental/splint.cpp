@@ -194,10 +194,11 @@ Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh
   const Box3 upper = box_of(upper_L), lower = box_of(lower_L);
   const double gap_mm = upper.min().z() - lower.max().z();
   if (!(std::abs(gap_mm) <= kMaxGap_mm))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the arches are {:.0f} mm apart, must be {:g} to {:g} mm: are they in "
-                            "the same frame?",
-                            gap_mm, -kMaxGap_mm, kMaxGap_mm));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the gap of the arches is {:.0f} mm, must be {:g} to {:g} mm: are they in "
+                    "the same frame?",
+                    gap_mm, -kMaxGap_mm, kMaxGap_mm));
   Box3 box = upper.merged(lower);
   const double margin_mm = options.wall_mm + options.clearance_mm + 4.0 * options.voxel_mm;
   // Heights between the cusps and what is covered of the lowest crowns.

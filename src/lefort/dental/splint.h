@@ -46,8 +46,8 @@ struct Splint {
 /// \param upper_L, lower_L  arches in the planned position, outward; open or closed.
 /// \param axes              of the arches.
 /// \returns the splint, or
-///   - kInvalidArgument  an option is out of range; see check_arch(); the arches are further apart
-///     than 20 mm, or overlap by more; the grid would have more than 10^8 voxels; or the covered
+///   - kInvalidArgument  an option is out of range; see check_arch(); the gap of the arches exceeds
+///     20 mm, or they overlap by more; the grid would have more than 10^8 voxels; or the covered
 ///     part spans less than 60 % of an arch, as if the directions were tilted;
 ///   - kMeshInvalid      nothing is left of the body;
 ///   - kCancelled        `progress` requested a stop.

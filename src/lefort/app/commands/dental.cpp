@@ -2,7 +2,9 @@
 #include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/dental.h>
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace lefort::app {
 namespace {
@@ -36,20 +38,23 @@ void add_register(CLI::App& dental, CommandContext& context) {
   });
 }
 
+void add_arches(CLI::App& command, std::filesystem::path& upper, std::filesystem::path& lower,
+                std::optional<std::filesystem::path>& arches) {
+  mark_path(command.add_option("upper", upper, "Surface of the upper arch"), PathKind::kSurface)
+      ->required();
+  mark_path(command.add_option("lower", lower, "Surface of the lower arch, in the same frame"),
+            PathKind::kSurface)
+      ->required();
+  command.add_option("--arches", arches,
+                     "arches.json of `lefort dental register`, for the directions of the arches; "
+                     "without it they are those of the patient");
+}
+
 void add_occlusion(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::OcclusionJob>();
   CLI::App* const command =
       dental.add_subcommand("occlusion", "Find the maximum intercuspation of two arches");
-  mark_path(command->add_option("upper", job->upper, "Surface of the upper arch"),
-            PathKind::kSurface)
-      ->required();
-  mark_path(
-      command->add_option("lower", job->lower, "Surface of the lower arch, in the same frame"),
-      PathKind::kSurface)
-      ->required();
-  command->add_option("--arches", job->arches,
-                      "arches.json of `lefort dental register`, for the directions of the arches; "
-                      "without it they are those of the patient");
+  add_arches(*command, job->upper, job->lower, job->arches);
   command
       ->add_option("--shift", job->options.shift_mm,
                    "Distance of the starts of the search in the occlusal plane [mm]")
@@ -94,16 +99,7 @@ void add_splint(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SplintJob>();
   CLI::App* const command =
       dental.add_subcommand("splint", "Make a splint between two arches, to print");
-  mark_path(command->add_option("upper", job->upper, "Surface of the upper arch"),
-            PathKind::kSurface)
-      ->required();
-  mark_path(
-      command->add_option("lower", job->lower, "Surface of the lower arch, in the same frame"),
-      PathKind::kSurface)
-      ->required();
-  command->add_option("--arches", job->arches,
-                      "arches.json of `lefort dental register`, for the directions of the arches; "
-                      "without it they are those of the patient");
+  add_arches(*command, job->upper, job->lower, job->arches);
   command->add_option("--upper-transform", job->upper_transform,
                       "Motion of the upper arch to the planned position, .tfm");
   command->add_option("--lower-transform", job->lower_transform, "The same of the lower arch");
