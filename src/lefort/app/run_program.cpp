@@ -41,6 +41,9 @@ int run_command(int argc, char** argv) {
   add_field_command(cli, context);
   add_landmarks_command(cli, context);
   add_dental_command(cli, context);
+  add_cephalogram_command(cli, context);
+  add_nerve_command(cli, context);
+  add_airway_command(cli, context);
   add_plan_command(cli, context);
   add_predict_command(cli, context);
   add_compare_command(cli, context);

@@ -196,9 +196,51 @@ std::vector<Definition> profile_distances() {
   };
 }
 
+/// Distance anterior to the line through `origin` perpendicular to the Frankfurt horizontal.
+Definition ahead_of(const char* name, const char* meaning, const char* point, const char* origin) {
+  return {name, meaning, "mm", {kHorizontal, point, origin}, [point, origin](const Profile& at) {
+            return at.horizontal().dot(at(point) - at(origin));
+          }};
+}
+
+/// Distance below a point, perpendicular to the Frankfurt horizontal.
+Definition height_of(const char* name, const char* meaning, const char* upper, const char* lower) {
+  return {name, meaning, "mm", {kHorizontal, upper, lower}, [upper, lower](const Profile& at) {
+            const Point ahead = at.horizontal();
+            return Point(-ahead.y(), ahead.x()).dot(at(upper) - at(lower));
+          }};
+}
+
+/// Distances from reference lines.
+std::vector<Definition> line_distances() {
+  using P = const Profile&;
+  return {
+      {"A-NPg",
+       "A anterior to N-Pg (Ricketts' convexity)",
+       "mm",
+       {"A", "N", "Pg"},
+       [](P at) { return before_line(at("A"), at("N"), at("Pg")); }},
+      {"L1-APg",
+       "L1 anterior to A-Pg",
+       "mm",
+       {"L1", "A", "Pg"},
+       [](P at) { return before_line(at("L1"), at("A"), at("Pg")); }},
+      ahead_of("A-Nperp", "A anterior to the vertical through N", "A", "N"),
+      ahead_of("Pg-Nperp", "Pg anterior to the vertical through N", "Pg", "N"),
+      ahead_of("Prn-TVL", "Prn anterior to the vertical through Sn", "Prn", "Sn"),
+      ahead_of("A'-TVL", "A' anterior to the vertical through Sn", "A'", "Sn"),
+      ahead_of("Ls-TVL", "Ls anterior to the vertical through Sn", "Ls", "Sn"),
+      ahead_of("Li-TVL", "Li anterior to the vertical through Sn", "Li", "Sn"),
+      ahead_of("B'-TVL", "B' anterior to the vertical through Sn", "B'", "Sn"),
+      ahead_of("Pg'-TVL", "Pg' anterior to the vertical through Sn", "Pg'", "Sn"),
+      height_of("N'-Me'", "height of the soft-tissue face", "N'", "Me'"),
+      height_of("Sn-Me'", "height of its lower third", "Sn", "Me'"),
+  };
+}
+
 std::vector<Definition> definitions() {
   std::vector<Definition> all = skeletal_angles();
-  for (auto& more : {soft_tissue_angles(), profile_distances()})
+  for (auto& more : {soft_tissue_angles(), profile_distances(), line_distances()})
     all.insert(all.end(), more.begin(), more.end());
   return all;
 }

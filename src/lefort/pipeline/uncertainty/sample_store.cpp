@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSampleDigest = 64;                // Hexadecimal digits of SHA-256.
 constexpr std::size_t kHead = 2 + sizeof(std::int64_t);  // Kind, start, Newton iterations.
-constexpr std::uintmax_t kMaxBytes = 1 << 28;
+constexpr std::uintmax_t kMaxSampleBytes = 1 << 28;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::filesystem::path SampleStore::file(const std::string& kind, Index sample) c
 
 std::optional<SampleResult> SampleStore::read(const std::string& kind, Index sample,
                                               std::size_t vertices) const {
-  const Result<std::string> text = io::read_text(file(kind, sample), kMaxBytes);
+  const Result<std::string> text = io::read_text(file(kind, sample), kMaxSampleBytes);
   if (!text || text->size() < kSampleDigest + kHead) return std::nullopt;
   const std::string body = text->substr(kSampleDigest);
   if (io::Sha256().add(body).hex() != text->substr(0, kSampleDigest)) return std::nullopt;

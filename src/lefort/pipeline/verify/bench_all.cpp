@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using bench::Figure;
 
-constexpr std::uintmax_t kMaxBytes = 1 << 26;
+constexpr std::uintmax_t kMaxFigureBytes = 1 << 26;
 constexpr const char* kFile = "bench.json";
 
 /// Instruction set of the kernels, which changes ratios.
@@ -45,7 +45,7 @@ const char* simd_name() {
 }
 
 Result<Json> read_figures(const fs::path& file) {
-  LEFORT_TRY(const std::string text, io::read_text(file, kMaxBytes));
+  LEFORT_TRY(const std::string text, io::read_text(file, kMaxFigureBytes));
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded())
     return fail(ErrorCode::kFileCorrupt, fmt::format("{}: not JSON", file.string()));

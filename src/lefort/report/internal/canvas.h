@@ -1,5 +1,5 @@
 /// \file
-/// Drawing on a picture. Only this class and picture.cpp use cairo.
+/// Drawing on a picture. Only this class, picture.cpp and sheet_pdf.cpp use cairo.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -1,0 +1,130 @@
+// Canals, airway and cephalogram of a synthetic head, as a user types them, and bad input.
+#include <lefort/anatomy/parametric_head.h>
+#include <lefort/io/landmarks_file.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/volume_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::app::test_measure_commands {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_lefort;
+
+/// A head with an airway of 8 mm radius, its labels and its landmarks, in a folder.
+class MeasureCommands : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    const anatomy::ParametricHead head{{}};
+    anatomy::LabeledScan scan = anatomy::scan_of(head, 1.5, 20.0, 3);
+    const image::Grid& grid = scan.ct.grid;
+    for (Index v = 0; v < grid.voxel_count(); ++v) {
+      const Vec3 p_L = grid.point_L({double(v % grid.size[0]),
+                                     double(v / grid.size[0] % grid.size[1]),
+                                     double(v / (grid.size[0] * grid.size[1]))});
+      const Vec3 p = head.X_LH().inverse() * p_L;
+      const double depth = kRadius_mm - std::hypot(p.x(), p.y() + 20.0);
+      if (p.z() > -15.0 || depth < -1.0) continue;
+      const double air = std::clamp(0.5 + depth / 1.5, 0.0, 1.0);
+      scan.ct.values[std::size_t(v)] = std::int16_t(40.0 - 1040.0 * air);
+      if (air > 0.5) scan.labels.values[std::size_t(v)] = anatomy::Tissue::kAirway;
+    }
+    plan::Landmarks landmarks;
+    for (const anatomy::NamedPoint& one : anatomy::true_landmarks(head))
+      landmarks.push_back({one.name, one.point_L});
+    ASSERT_TRUE(io::write_volume(path("ct.nrrd"), scan.ct));
+    ASSERT_TRUE(io::write_segmentation(path("labels.seg.nrrd"), scan.labels));
+    ASSERT_TRUE(io::write_landmarks(path("landmarks.mrk.json"), landmarks));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static fs::path path(const std::string& name) { return folder_->path() / name; }
+  static std::string inputs() {
+    return "'" + path("ct.nrrd").string() + "' --labels '" + path("labels.seg.nrrd").string() +
+           "' --landmarks '" + path("landmarks.mrk.json").string() + "' --quiet ";
+  }
+  static void expect_refused(const std::string& arguments, int exit_code,
+                             const std::string& message) {
+    const auto result = run_lefort(arguments + " -o '" + path("refused").string() + "'");
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.error;
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+    EXPECT_NE(result.error.find(message), std::string::npos) << result.error;
+    EXPECT_FALSE(fs::exists(path("refused")));
+  }
+
+  static constexpr double kRadius_mm = 8.0;
+  static test::TemporaryFolder* folder_;
+};
+test::TemporaryFolder* MeasureCommands::folder_ = nullptr;
+
+TEST_F(MeasureCommands, airway_of_known_radius) {
+  const auto done =
+      run_lefort("airway " + inputs() + "--json -o '" + path("airway").string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const auto json = nlohmann::json::parse(done.out);
+  const double area_mm2 = std::numbers::pi * kRadius_mm * kRadius_mm;
+  EXPECT_NEAR(json.at("min_axial_section").at("area_mm2").get<double>(), area_mm2, 0.06 * area_mm2);
+  const double length_mm = json.at("length_mm").get<double>();
+  EXPECT_NEAR(json.at("volume_ml").get<double>(), area_mm2 * length_mm * 1e-3,
+              0.08 * area_mm2 * length_mm * 1e-3);
+  EXPECT_TRUE(io::read_surface(path("airway") / "airway.vtp"));
+  std::ifstream table(path("airway") / "airway.csv");
+  const auto lines = std::count(std::istreambuf_iterator<char>(table), {}, '\n');
+  EXPECT_NEAR(double(lines), length_mm + 2.0, 2.0);
+  EXPECT_TRUE(fs::exists(path("airway") / "airway.svg"));
+}
+
+TEST_F(MeasureCommands, canals_pass_through_corrected_points) {
+  const auto done = run_lefort("nerve " + inputs() + "--json -o '" + path("nerve").string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  EXPECT_GT(nlohmann::json::parse(done.out).at("left").at("length_mm").get<double>(), 30.0);
+  EXPECT_TRUE(io::read_surface(path("nerve") / "nerve_left.vtp"));
+
+  // The written points are landmarks of the next run, which finds the others itself.
+  const auto points = io::read_landmarks(path("nerve") / "nerve.mrk.json");
+  ASSERT_TRUE(points) << points.error().message;
+  plan::Landmarks corrected;
+  for (plan::Landmark point : *points) {
+    if (point.name == "MeF-L") point.point_L.z() -= 3.0;
+    if (point.name.ends_with("-L") || point.name.starts_with("IAN-L")) corrected.push_back(point);
+  }
+  ASSERT_TRUE(io::write_landmarks(path("corrected.csv"), corrected));
+  const auto again = run_lefort(
+      "nerve '" + path("ct.nrrd").string() + "' --labels '" + path("labels.seg.nrrd").string() +
+      "' --landmarks '" + path("corrected.csv").string() + "' --quiet --json -o '" +
+      path("again").string() + "'");
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  const auto end = nlohmann::json::parse(again.out).at("left").at("mental_foramen");
+  const Vec3 foramen_L(end[0].get<double>(), end[1].get<double>(), end[2].get<double>());
+  EXPECT_LT((foramen_L - *plan::find_landmark(corrected, "MeF-L")).norm(), 3.0);
+}
+
+TEST_F(MeasureCommands, refuses_in_one_line) {
+  expect_refused("airway " + inputs() + "--upper Me --lower PNS", 1, "not above the lower");
+  expect_refused("airway " + inputs() + "--upper nowhere", 1, "'nowhere' is neither a landmark");
+  expect_refused("airway " + inputs() + "--front 0,-500,0", 1, "no airway between the limits");
+  plan::Landmarks far{{"MeF-L", Vec3(0.0, 0.0, 400.0)}};
+  ASSERT_TRUE(io::write_landmarks(path("far.csv"), far));
+  const std::string scan = "'" + path("ct.nrrd").string() + "' --labels '" +
+                           path("labels.seg.nrrd").string() + "' --quiet ";
+  expect_refused("nerve " + scan + "--landmarks '" + path("far.csv").string() + "'", 1,
+                 "more than 3 mm from the mandible");
+}
+
+}  // namespace
+}  // namespace lefort::app::test_measure_commands
