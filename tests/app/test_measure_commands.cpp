@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -44,6 +45,7 @@ class MeasureCommands : public testing::Test {
       scan.ct.values[std::size_t(v)] = std::int16_t(40.0 - 1040.0 * air);
       if (air > 0.5) scan.labels.values[std::size_t(v)] = anatomy::Tissue::kAirway;
     }
+    for (auto& hu : scan.ct.values) hu = std::max<std::int16_t>(hu, -1024);
     plan::Landmarks landmarks;
     for (const anatomy::NamedPoint& one : anatomy::true_landmarks(head))
       landmarks.push_back({one.name, one.point_L});
@@ -114,10 +116,37 @@ TEST_F(MeasureCommands, canals_pass_through_corrected_points) {
   EXPECT_LT((foramen_L - *plan::find_landmark(corrected, "MeF-L")).norm(), 3.0);
 }
 
+TEST_F(MeasureCommands, cephalogram_with_tracing_and_norms) {
+  const auto done = run_lefort("cephalogram " + inputs() + "--norms male --json -o '" +
+                               path("cephalogram").string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const auto measurements = nlohmann::json::parse(done.out).at("measurements");
+  EXPECT_TRUE(std::any_of(measurements.begin(), measurements.end(), [](const auto& one) {
+    return one.at("measurement") == "A-Nperp" && one.at("before").is_number();
+  }));
+  for (const char* const name : {"lateral.png", "frontal.png", "tracing.png"})
+    EXPECT_GT(fs::file_size(path("cephalogram") / name), 10000U) << name;
+  const auto bytes_of = [](const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string pdf = bytes_of(path("cephalogram") / "cephalometry.pdf");
+  EXPECT_TRUE(pdf.starts_with("%PDF-"));
+  EXPECT_NE(bytes_of(path("cephalogram") / "norms.csv").find("McNamara,Co-A,mm,92.4 +- 5.6"),
+            std::string::npos);
+  const auto again = run_lefort("cephalogram " + inputs() + "--norms male -o '" +
+                                path("repeated").string() + "'");
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  EXPECT_EQ(bytes_of(path("repeated") / "cephalometry.pdf"), pdf);
+}
+
 TEST_F(MeasureCommands, refuses_in_one_line) {
+  expect_refused("cephalogram " + inputs() + "--check '" + path("nothing").string() + "'", 1,
+                 "no bones of `lefort plan check`");
+  expect_refused("cephalogram " + inputs() + "--norms child", 2, "--norms");
   expect_refused("airway " + inputs() + "--upper Me --lower PNS", 1, "not above the lower");
   expect_refused("airway " + inputs() + "--upper nowhere", 1, "'nowhere' is neither a landmark");
-  expect_refused("airway " + inputs() + "--front 0,-500,0", 1, "no airway between the limits");
+  expect_refused("airway " + inputs() + "--front 0,500,0", 1, "no airway between the limits");
   plan::Landmarks far{{"MeF-L", Vec3(0.0, 0.0, 400.0)}};
   ASSERT_TRUE(io::write_landmarks(path("far.csv"), far));
   const std::string scan = "'" + path("ct.nrrd").string() + "' --labels '" +

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,57 @@ TEST_F(PlanCommand, LandmarksMoveWithTheirBone) {
   EXPECT_LT((*plan::find_landmark(after, "PNS") - Vec3(0, -5, 13)).norm(), 1e-9);
 }
 
+TEST_F(PlanCommand, MovementsAreWrittenInTheTermsOfASurgeon) {
+  ASSERT_EQ(check(plan()).exit_code, 0);
+  const json movements = result()["movements"];
+  ASSERT_EQ(movements.size(), 1U);
+  EXPECT_EQ(movements[0]["segment"], "front");
+  EXPECT_NEAR(movements[0]["center"]["superior_mm"].get<double>(), 3.0, 1e-9);
+  EXPECT_NEAR(movements[0]["landmarks"]["A"]["superior_mm"].get<double>(), 3.0, 1e-9);
+  EXPECT_FALSE(movements[0]["landmarks"].contains("B"));    // Not on the segment.
+  EXPECT_FALSE(movements[0]["landmarks"].contains("Prn"));  // On the skin.
+  const auto table = io::read_text(folder_ / "out/planned_movements.csv", 1 << 20).value();
+  EXPECT_NE(table.find("front,A,0.000,0.000,3.000"), std::string::npos) << table;
+  const auto sheet = io::read_text(folder_ / "out/worksheet.pdf", 1 << 24).value();
+  EXPECT_TRUE(sheet.starts_with("%PDF-"));
+}
+
+/// The cut is the plane y = -5; the right canal runs parallel to it, the left one crosses it.
+TEST_F(PlanCommand, DistancesFromNervesAreReported) {
+  json nerve = {{"lefort_nerve", 1}};
+  for (int x = -8; x <= -2; ++x) nerve["right"]["points"].push_back({x, -1.0, 0.0});
+  for (int y = -12; y <= 4; ++y) nerve["left"]["points"].push_back({5.0, y, 0.0});
+  nerve["right"]["radius_mm"] = nerve["left"]["radius_mm"] = 1.5;
+  const fs::path file = folder_ / "nerve.json";
+  ASSERT_TRUE(io::write_text(file, nerve.dump()));
+  const auto run = check(plan(), "--no-pictures --nerve " + quoted(file));
+  EXPECT_EQ(run.exit_code, 1);  // A finding.
+  const json found = result();
+  ASSERT_EQ(found["nerve"].size(), 2U);
+  EXPECT_EQ(found["nerve"][0]["nerve"], "right");
+  EXPECT_NEAR(found["nerve"][0]["distance_mm"].get<double>(), 2.5, 1e-6);
+  EXPECT_EQ(found["nerve"][1]["distance_mm"].get<double>(), 0.0);
+  ASSERT_EQ(found["findings"].size(), 1U);
+  EXPECT_EQ(found["findings"][0]["kind"], "nerve");
+  EXPECT_NE(run.out.find("enters the canal of the left inferior alveolar nerve"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(check(plan(), "--no-pictures --nerve-distance 3 --nerve " + quoted(file)).exit_code, 1);
+  EXPECT_EQ(result()["findings"].size(), 2U);
+
+  for (const char* const bad :
+       {"{", "{}", R"({"lefort_nerve": 1})", R"({"lefort_nerve": 1, "left": {"points": 3}})",
+        R"({"lefort_nerve": 1, "left": {"radius_mm": 1, "points": [[1, 2]]}})",
+        R"({"lefort_nerve": 1, "left": {"radius_mm": 1, "points": [[1, 2, 1e300]]}})",
+        R"({"lefort_nerve": 1, "left": {"radius_mm": -1, "points": []}})"}) {
+    ASSERT_TRUE(io::write_text(file, bad));
+    const auto refused = check(plan(), "--no-pictures --nerve " + quoted(file));
+    EXPECT_EQ(refused.exit_code, 1) << bad;
+    EXPECT_EQ(std::count(refused.error.begin(), refused.error.end(), '\n'), 1) << refused.error;
+    EXPECT_NE(refused.error.find("make it with `lefort nerve`"), std::string::npos)
+        << refused.error;
+  }
+}
+
 /// Landmarks on the skin, or away from bone, are not reported as if they had not moved.
 TEST_F(PlanCommand, LandmarksUnknownAfterSurgeryAreNotReported) {
   const auto run = check(plan(), "--no-pictures");
@@ -140,7 +192,8 @@ TEST_F(PlanCommand, FilesOfTheUserAreNeverRemoved) {
                      "pictures/../plan_anna.json"};
   ASSERT_TRUE(io::write_text(folder_ / "out/check.json", listed.dump()));
   for (const char* name : {"segment_front.vtp", "segment_front.tfm", "remainder.vtp",
-                           "cephalometry.csv", "landmarks_after.csv", "landmarks_after.mrk.json"})
+                           "cephalometry.csv", "landmarks_after.csv", "landmarks_after.mrk.json",
+                           "planned_movements.csv", "worksheet.pdf"})
     fs::remove(folder_ / "out" / name);
   ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
   for (const std::string& name : mine) EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;

@@ -18,7 +18,8 @@ constexpr std::uintmax_t kMaxCheck = 64 << 20;  // Bytes.
 /// Whether a check writes files of this name; names of segments as in contract/plan.schema.json.
 bool is_of_a_check(const std::string& name) {
   static const std::regex ours(
-      R"(cephalometry\.csv|landmarks_after\.(mrk\.json|csv)|remainder\.vtp|)"
+      R"(cephalometry\.csv|planned_movements\.csv|worksheet\.pdf|landmarks_after\.(mrk\.json|csv)|)"
+      R"(remainder\.vtp|)"
       R"(segment_[A-Za-z0-9_-]{1,40}\.(vtp|tfm)|pictures/plan_(cut|after)_[a-z_]{1,40}\.png)");
   return name.size() < 100 && std::regex_match(name, ours);
 }

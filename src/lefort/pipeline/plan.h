@@ -39,6 +39,7 @@ struct CheckPlanJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
   std::optional<std::filesystem::path> skull;  ///< A closed surface, instead of any scan.
+  std::optional<std::filesystem::path> nerve = std::nullopt;  ///< nerve.json of trace_nerves().
   std::filesystem::path output;                ///< A folder; made if missing.
   std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
   predict::PlanLimits limits;
@@ -51,7 +52,8 @@ struct PlanCheckSummary {
 };
 
 /// Checks for overlap along the paths of the segments, and for gaps and missing support at their
-/// ends; writes check.json, surfaces and pictures.
+/// ends, and for the distances of cuts from tooth roots and nerves; writes check.json, surfaces,
+/// pictures, and the movements as planned_movements.csv and worksheet.pdf.
 ///
 /// \returns the summary, or
 ///   - kFileNotFound     plan, scan or skull does not exist;

@@ -189,6 +189,8 @@ const char* name_of(FindingKind kind) {
       return "missing_support";
     case FindingKind::kToothRoot:
       return "tooth_root";
+    case FindingKind::kNerve:
+      return "nerve";
   }
   return "";
 }

@@ -21,6 +21,7 @@ struct PlanLimits {
   double support_mm = 1.0;        ///< Bone within this distance supports a cut face.
   double support_fraction = 0.1;  ///< Min supported fraction of a segment's cut faces.
   double root_mm = 5.0;           ///< Min distance of a cut from tooth roots, if teeth are known.
+  double nerve_mm = 2.0;          ///< Min distance of a cut from the canals of nerves, if known.
 };
 
 /// Gap and support of a segment's cut faces at the end of its path.
@@ -37,7 +38,7 @@ struct SegmentSupport {
   }
 };
 
-enum class FindingKind { kOverlap, kGap, kMissingSupport, kToothRoot };
+enum class FindingKind { kOverlap, kGap, kMissingSupport, kToothRoot, kNerve };
 
 /// One violated limit.
 struct PlanFinding {
@@ -46,7 +47,7 @@ struct PlanFinding {
   std::string text;     ///< A sentence.
 };
 
-/// \returns "overlap", "gap", "missing_support", "tooth_root".
+/// \returns "overlap", "gap", "missing_support", "tooth_root", "nerve".
 [[nodiscard]] const char* name_of(FindingKind kind);
 
 struct PlanCheck {
@@ -55,8 +56,8 @@ struct PlanCheck {
   std::vector<PlanFinding> findings;            ///< Empty if all limits that were checked are met.
 };
 
-/// Moves all segments together along their paths and checks all limits except PlanLimits::root_mm,
-/// which pipeline/plan/check_plan_file.cpp checks.
+/// Moves all segments together along their paths and checks all limits except PlanLimits::root_mm
+/// and PlanLimits::nerve_mm, which pipeline/plan/check_plan_file.cpp checks.
 ///
 /// Overlap is measured at every step of the path with the most steps and at every keyframe. Cut
 /// faces are the parts of a segment's surface that at rest lie within the kerf width plus

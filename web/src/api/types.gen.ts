@@ -1212,7 +1212,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];

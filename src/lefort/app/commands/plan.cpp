@@ -30,6 +30,11 @@ void add_limits(CLI::App& command, decltype(pipeline::CheckPlanJob::limits)& lim
                   "Minimum distance of a cut from teeth and their roots [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      .add_option("--nerve-distance", limits.nerve_mm,
+                  "Minimum distance of a cut from the canals of --nerve [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 void add_optimize_command(CLI::App& plan, CommandContext& context) {
@@ -96,13 +101,15 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
                 "Instead of a scan, a closed surface of the bone: .vtp, .stl, .ply or .obj"),
             PathKind::kSurface)
       ->excludes(ct);
+  command->add_option("--nerve", job->nerve,
+                      "nerve.json of `lefort nerve`: canals that cuts must not touch");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   add_limits(*command, job->limits);
   command->footer(
       "Example:\n"
       "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"
-      "Writes check.json, the bones after the movement, their transforms for 3D Slicer, and\n"
-      "pictures/. If the plan has landmarks, also landmarks and cephalometry after the movement.\n"
+      "Writes check.json, the bones after the movement, their transforms for 3D Slicer,\n"
+      "pictures/, planned_movements.csv and worksheet.pdf for the operating room. If the plan has landmarks, also landmarks and cephalometry after the movement.\n"
       "Exit code 1 if there is a finding. Not for clinical use.");
   command->callback([job, no_pictures, &context] {
     job->pictures = !*no_pictures;

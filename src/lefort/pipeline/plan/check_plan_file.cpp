@@ -15,6 +15,8 @@
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/cephalometric_table.h>
+#include <lefort/pipeline/plan/nerve_file.h>
+#include <lefort/pipeline/plan/worksheet.h>
 #include <lefort/pipeline/prepare/find_head_landmarks.h>
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/bones_of_landmarks.h>
@@ -25,6 +27,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +40,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTable = "cephalometry.csv";
+constexpr const char* kMovementTable = "planned_movements.csv";
+constexpr const char* kWorksheet = "worksheet.pdf";
 constexpr const char* kAboutLandmarks =
     "measured in the frame of the landmarks before surgery; after surgery only landmarks on bone "
     "and teeth are known, landmarks on the skin need a prediction";
@@ -46,7 +51,7 @@ std::string transform_name(const std::string& segment) { return "segment_" + seg
 
 /// Files of a check except check.json and pictures, relative to its folder.
 std::vector<std::string> names_of(const io::PlanFile& plan) {
-  std::vector<std::string> names{"remainder.vtp"};
+  std::vector<std::string> names{"remainder.vtp", kMovementTable, kWorksheet};
   for (const plan::PlannedSegment& one : plan.segments) {
     names.push_back(surface_name(one.osteotomy.segment));
     names.push_back(transform_name(one.osteotomy.segment));
@@ -63,6 +68,7 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   LEFORT_TRY_VOID(io::check_overwrites_only_earlier(job.output, names, earlier));
   std::vector<fs::path> inputs{job.plan};
   if (job.skull) inputs.push_back(*job.skull);
+  if (job.nerve) inputs.push_back(*job.nerve);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
   for (const std::string& name : io::files_of_plan(text.json))
     inputs.push_back(job.plan.parent_path() / name);
@@ -150,6 +156,27 @@ void add_root_findings(const Bones& bones, const plan::CutSegments& cut, const i
         {predict::FindingKind::kToothRoot, root.segment, predict::describe(root, limit_mm)});
 }
 
+/// Distances that are reported; findings only below the limit.
+constexpr double kNearNerve_mm = 10.0;
+
+/// Adds the cuts that pass close to the canals. \returns all distances.
+nlohmann::json add_nerve_findings(std::span<const predict::NerveTube> nerves,
+                                  const plan::CutSegments& cut, const io::PlanFile& plan,
+                                  double limit_mm, predict::PlanCheck& check) {
+  nlohmann::json distances = nlohmann::json::array();
+  for (const predict::NerveDistance& found :
+       predict::nerve_distances(cut, plan.segments, nerves, std::max(limit_mm, kNearNerve_mm))) {
+    distances.push_back({{"segment", found.segment},
+                         {"nerve", found.nerve},
+                         {"distance_mm", found.distance_mm},
+                         {"at_mm", as_json(found.nerve_L)}});
+    if (found.distance_mm < limit_mm)
+      check.findings.push_back(
+          {predict::FindingKind::kNerve, found.segment, predict::describe(found, limit_mm)});
+  }
+  return distances;
+}
+
 using pipeline::as_json;
 
 nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
@@ -192,7 +219,8 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
             {"gap_mm", limits.gap_mm},
             {"support_mm", limits.support_mm},
             {"support_fraction", limits.support_fraction},
-            {"root_mm", limits.root_mm}}},
+            {"root_mm", limits.root_mm},
+            {"nerve_mm", limits.nerve_mm}}},
           {"has_findings", !check.findings.empty()},
           {"findings", findings},
           {"overlaps", overlaps},
@@ -238,6 +266,10 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const io::PlanText plan_text, read_plan(job, progress));
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
+  std::vector<predict::NerveTube> nerves;
+  if (job.nerve) {
+    LEFORT_TRY(nerves, read_nerves(*job.nerve));
+  }
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
@@ -252,8 +284,12 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
   add_root_findings(before, cut, plan, job.limits.root_mm, check);
+  const nlohmann::json nerve = add_nerve_findings(nerves, cut, plan, job.limits.nerve_mm, check);
 
   nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
+  if (job.nerve) result["nerve"] = nerve;
+  LEFORT_TRY(const auto movements, segment_movements(plan.landmarks, cut, plan.segments));
+  result["movements"] = movements_json(movements);
   LEFORT_TRY(result["inputs"], provenance(job, plan_text, before.skull_L));
   std::string text = in_words(check, cut);
   std::string table;
@@ -284,6 +320,10 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   // Written first: it lists the files that the next check may replace if this one is interrupted.
   LEFORT_TRY_VOID(io::write_text(job.output / "check.json", result.dump(2) + "\n"));
   LEFORT_TRY_VOID(write_bones(job.output, cut, plan.segments));
+  LEFORT_TRY_VOID(io::write_text(job.output / kMovementTable, movements_csv(movements)));
+  LEFORT_TRY(const std::string worksheet,
+             worksheet_pdf(plan.title, movements, check.findings, pictures));
+  LEFORT_TRY_VOID(io::write_text(job.output / kWorksheet, worksheet));
   if (!plan.landmarks.empty()) {
     LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.mrk.json", after.known));
     LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.csv", after.known));

@@ -25,6 +25,8 @@ const NamedFile kFiles[] = {
     {kBoundaryFile, "boundary", [](const CaseFolder& c) { return c.boundary(); }},
     {"check.json", "check", LEFORT_IN(check, "check.json")},
     {"cephalometry.csv", "check", LEFORT_IN(check, "cephalometry.csv")},
+    {"planned_movements.csv", "check", LEFORT_IN(check, "planned_movements.csv")},
+    {"worksheet.pdf", "check", LEFORT_IN(check, "worksheet.pdf")},
     {"landmarks_after.mrk.json", "check", LEFORT_IN(check, "landmarks_after.mrk.json")},
     {"landmarks_after.csv", "check", LEFORT_IN(check, "landmarks_after.csv")},
     {"report.html", "prediction", LEFORT_IN(prediction, "report.html")},

@@ -23,6 +23,8 @@ const FILE_WORDS: Record<string, string> = {
   'landmarks.mrk.json': 'Landmarks',
   'check.json': 'Check of the plan',
   'cephalometry.csv': 'Cephalometry after the movement',
+  'worksheet.pdf': 'Worksheet for the operating room',
+  'planned_movements.csv': 'Planned movements of segments and landmarks',
   'compare.json': 'All results of the comparison',
   'regions.csv': 'Comparison by region',
   'difference.vtp': 'Predicted face with its distance to the face after surgery',

@@ -1,0 +1,64 @@
+#include <lefort/io/read_text.h>
+#include <lefort/pipeline/plan/nerve_file.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace lefort::pipeline {
+namespace {
+
+constexpr std::uintmax_t kMaxNerveBytes = 1 << 24;
+constexpr double kMaxCoordinate_mm = 1e5, kMaxRadius_mm = 10.0;
+
+/// Three finite numbers.
+bool read_point(const nlohmann::json& json, Vec3& p_L) {
+  if (!json.is_array() || json.size() != 3) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& value = json[std::size_t(axis)];
+    if (!value.is_number()) return false;
+    p_L[axis] = value.get<double>();
+    if (!(std::abs(p_L[axis]) <= kMaxCoordinate_mm)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::vector<predict::NerveTube>> read_nerves(const std::filesystem::path& file) {
+  LEFORT_TRY(const std::string text, io::read_text(file, kMaxNerveBytes));
+  const auto corrupt = [&](const std::string& what) {
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: {}; make it with `lefort nerve`", file.string(), what));
+  };
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("lefort_nerve") || json["lefort_nerve"] != 1)
+    return corrupt("not a nerve.json of version 1");
+  std::vector<predict::NerveTube> nerves;
+  for (const char* const side : {"right", "left"}) {
+    const auto canal = json.find(side);
+    if (canal == json.end()) continue;
+    if (!canal->is_object() || !canal->contains("points") || !(*canal)["points"].is_array() ||
+        !canal->contains("radius_mm") || !(*canal)["radius_mm"].is_number())
+      return corrupt(fmt::format("the {} canal has no points or no radius", side));
+    predict::NerveTube nerve{side, {}, (*canal)["radius_mm"].get<double>()};
+    if (!(nerve.radius_mm >= 0.0 && nerve.radius_mm <= kMaxRadius_mm))
+      return corrupt(fmt::format("the radius of the {} canal must be 0 to {:g} mm", side,
+                                 kMaxRadius_mm));
+    for (const auto& point : (*canal)["points"]) {
+      Vec3 p_L;
+      if (!read_point(point, p_L))
+        return corrupt(fmt::format("a point of the {} canal is not three numbers", side));
+      nerve.line_L.push_back(p_L);
+    }
+    nerves.push_back(std::move(nerve));
+  }
+  if (nerves.empty()) return corrupt("it has no canal");
+  return nerves;
+}
+
+}  // namespace lefort::pipeline
