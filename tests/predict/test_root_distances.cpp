@@ -41,7 +41,7 @@ std::vector<RootDistance> distances(double cut_z_mm, double within_mm) {
       {.osteotomy = {"maxilla", {{{0, 0, cut_z_mm}, {0, 0, -1}}}}, .cut = {}}};
   const auto cut = plan::cut_segments(skull(), planned);
   EXPECT_TRUE(cut) << cut.error().message;
-  return root_distances(*cut, planned, labels(), teeth(), within_mm);
+  return root_distances(*cut, planned, labels(), teeth(), nullptr, within_mm);
 }
 
 /// The last voxel of the upper tooth has its center at z = -5, the lower tooth at -2; each counts
@@ -65,7 +65,7 @@ TEST(RootDistances, AreThoseOfAllPiecesOfASegmentThatIsCutAgain) {
   const auto cut = plan::cut_segments(skull(), planned);
   ASSERT_TRUE(cut) << cut.error().message;
   // The tooth at y = -10 is below the part of the first cut that the second segment took.
-  const auto found = root_distances(*cut, planned, labels(), teeth(), 10.0);
+  const auto found = root_distances(*cut, planned, labels(), teeth(), nullptr, 10.0);
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found[0].segment, "maxilla");
   EXPECT_EQ(found[0].jaw, anatomy::Tooth::kUpper);

@@ -325,6 +325,24 @@ Result<void> write_teeth(const fs::path& target, const anatomy::ToothMap& teeth)
   return write_labels(target, teeth, segments);
 }
 
+Result<void> write_numbered_teeth(const fs::path& target,
+                                  const image::Volume<std::uint8_t>& numbers) {
+  // Neighbors in an arch, and opposite teeth, differ in color.
+  constexpr std::array<std::array<double, 3>, 4> kColors{
+      {{0.96, 0.90, 0.72}, {0.62, 0.80, 0.92}, {0.93, 0.68, 0.62}, {0.70, 0.88, 0.68}}};
+  std::array<bool, 256> is_present{};
+  for (const std::uint8_t number : numbers.values) is_present[number] = true;
+  std::vector<std::string> names(is_present.size());
+  std::vector<WrittenSegment> segments;
+  for (std::size_t number = 1; number < is_present.size(); ++number) {
+    if (!is_present[number]) continue;
+    names[number] = fmt::format("tooth {}", number);
+    segments.push_back({names[number].c_str(), int(number),
+                        kColors[(number + 2 * (number / 20)) % kColors.size()]});
+  }
+  return write_labels(target, numbers, segments);
+}
+
 Result<void> write_boundary_labels(const fs::path& target,
                                    const predict::BoundaryLabelMap& painted) {
   std::vector<WrittenSegment> segments;

@@ -52,6 +52,15 @@ namespace lefort::io {
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());
 
+/// Writes numbered teeth atomically, with one segment for each tooth: "tooth 11". The label is the FDI
+/// number.
+///
+/// \param target   ends in .seg.nrrd.
+/// \param numbers  FDI numbers, 0 elsewhere.
+/// \returns as write_segmentation().
+[[nodiscard]] Result<void> write_numbered_teeth(const std::filesystem::path& target,
+                                                const image::Volume<std::uint8_t>& numbers);
+
 /// Writes the teeth atomically, with one segment per jaw: anatomy::kToothStyles. They are a file of
 /// their own because a tooth is bone of its jaw in the label map.
 ///

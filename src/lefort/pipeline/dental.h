@@ -32,6 +32,23 @@ struct RegisterArchesJob {
 ///   - kFileUnwritable   a result cannot be written.
 [[nodiscard]] Result<Summary> register_arches(const RegisterArchesJob& job, Progress& progress);
 
+struct TeethJob {
+  std::filesystem::path ct;                        ///< Anything `lefort import` reads.
+  std::optional<std::filesystem::path> labels;     ///< .seg.nrrd; segmented unless given.
+  std::optional<std::filesystem::path> landmarks;  ///< What is missing is found.
+  std::filesystem::path output;                    ///< A folder; made if missing.
+};
+
+/// Finds, separates and numbers the teeth (dental::number_teeth()). Writes
+/// `teeth_numbered.seg.nrrd`, `teeth.mrk.json` (crown and apex of each tooth), `teeth.csv` and
+/// `teeth.json`.
+///
+/// \returns the summary, or
+///   - kAnatomyMissing   no tooth is found, or no landmark of the mid-sagittal plane (N, ANS, A);
+///   - the errors of oriented_head();
+///   - kFileUnwritable   a result cannot be written.
+[[nodiscard]] Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress);
+
 struct OcclusionJob {
   std::filesystem::path upper;  ///< Surface of the upper arch in frame L.
   std::filesystem::path lower;  ///< Surface of the lower arch in frame L, at the start.

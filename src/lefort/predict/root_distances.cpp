@@ -41,12 +41,22 @@ geometry::TriangleMesh faces_in(const geometry::TriangleMesh& faces_L,
   return part;
 }
 
+/// The number at the center of a voxel.
+int number_at(const image::Volume<std::uint8_t>* numbers, const Vec3& p_L) {
+  if (numbers == nullptr) return 0;
+  const Vec3 at = numbers->grid.index_V(p_L);
+  return numbers->at(Index(std::lround(at.x())), Index(std::lround(at.y())),
+                     Index(std::lround(at.z())));
+}
+
 }  // namespace
 
 std::vector<RootDistance> root_distances(const plan::CutSegments& cut,
                                          std::span<const plan::PlannedSegment> planned,
                                          const anatomy::LabelMap& labels,
-                                         const anatomy::ToothMap& teeth, double within_mm) {
+                                         const anatomy::ToothMap& teeth,
+                                         const image::Volume<std::uint8_t>* numbers,
+                                         double within_mm) {
   constexpr std::array kJaws{anatomy::Tooth::kUpper, anatomy::Tooth::kLower};
   constexpr std::array kBones{anatomy::Tissue::kBone, anatomy::Tissue::kMandible};
   const std::array centers_L{centers_of(teeth, kJaws[0]), centers_of(teeth, kJaws[1])};
@@ -63,7 +73,8 @@ std::vector<RootDistance> root_distances(const plan::CutSegments& cut,
       for (const Vec3& p_L : centers_L[jaw]) {
         const auto face = faces.closest_point(p_L, closest ? closest->distance_mm : within_mm);
         if (face && (!closest || face->distance_mm < closest->distance_mm))
-          closest = {planned[k].osteotomy.segment, kJaws[jaw], face->distance_mm, p_L};
+          closest = {planned[k].osteotomy.segment, kJaws[jaw], face->distance_mm, p_L,
+                     number_at(numbers, p_L)};
       }
       if (closest) found.push_back(*closest);
     }
@@ -72,11 +83,15 @@ std::vector<RootDistance> root_distances(const plan::CutSegments& cut,
 }
 
 std::string describe(const RootDistance& found, double limit_mm) {
+  const auto name_of_tooth = [](const RootDistance& one) {
+    if (one.fdi > 0) return fmt::format("tooth {}", one.fdi);
+    return std::string(one.jaw == anatomy::Tooth::kUpper ? "an upper tooth" : "a lower tooth");
+  };
   return fmt::format(
-      "the cut of '{}' passes {:.1f} mm from {} tooth, at ({:.0f}, {:.0f}, {:.0f}); the limit is "
+      "the cut of '{}' passes {:.1f} mm from {}, at ({:.0f}, {:.0f}, {:.0f}); the limit is "
       "{:g} mm",
       found.segment, found.distance_mm,
-      found.jaw == anatomy::Tooth::kUpper ? "an upper" : "a lower", found.tooth_L.x(),
+      name_of_tooth(found), found.tooth_L.x(),
       found.tooth_L.y(), found.tooth_L.z(), limit_mm);
 }
 

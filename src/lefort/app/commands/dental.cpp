@@ -38,6 +38,35 @@ void add_register(CLI::App& dental, CommandContext& context) {
   });
 }
 
+void add_teeth(CLI::App& dental, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::TeethJob>();
+  CLI::App* const command =
+      dental.add_subcommand("teeth", "Separate the teeth in a CT and number them (FDI)");
+  mark_path(command->add_option("ct", job->ct, "The CT: anything `lefort import` reads"),
+            PathKind::kScan)
+      ->required();
+  mark_path(command->add_option(
+                "--labels", job->labels,
+                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
+            PathKind::kLabels);
+  mark_path(command->add_option("--landmarks", job->landmarks,
+                                "Landmarks; those that are missing are found"),
+            PathKind::kLandmarks);
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for the numbered teeth, their axes and teeth.json"),
+            PathKind::kNewFolder)
+      ->required();
+  command->footer(
+      "Example:\n"
+      "  lefort dental teeth ct.nrrd -o teeth/\n"
+      "Guide: docs/guide/dental.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("dental", [&](Progress& progress) {
+      return pipeline::number_teeth_of_scan(*job, progress);
+    });
+  });
+}
+
 void add_arches(CLI::App& command, std::filesystem::path& upper, std::filesystem::path& lower,
                 std::optional<std::filesystem::path>& arches) {
   mark_path(command.add_option("upper", upper, "Surface of the upper arch"), PathKind::kSurface)
@@ -128,8 +157,9 @@ void add_splint(CLI::App& dental, CommandContext& context) {
 
 void add_dental_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const dental =
-      cli.add_subcommand("dental", "Intraoral scans in the frame of the CT, occlusion, splints");
+      cli.add_subcommand("dental", "Numbered teeth, intraoral scans, occlusion, splints");
   dental->require_subcommand(1);
+  add_teeth(*dental, context);
   add_register(*dental, context);
   add_occlusion(*dental, context);
   add_splint(*dental, context);

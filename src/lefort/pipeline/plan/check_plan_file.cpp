@@ -12,6 +12,7 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/dental/dental_numbers.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/cephalometric_table.h>
@@ -150,8 +151,10 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
 void add_root_findings(const Bones& bones, const plan::CutSegments& cut, const io::PlanFile& plan,
                        double limit_mm, predict::PlanCheck& check) {
   if (!bones.teeth) return;
+  const auto numbered = dental_numbers(*bones.teeth, plan.landmarks);
   for (const predict::RootDistance& root :
-       predict::root_distances(cut, plan.segments, bones.labels, *bones.teeth, limit_mm))
+       predict::root_distances(cut, plan.segments, bones.labels, *bones.teeth,
+                               numbered ? &numbered->numbers : nullptr, limit_mm))
     check.findings.push_back(
         {predict::FindingKind::kToothRoot, root.segment, predict::describe(root, limit_mm)});
 }

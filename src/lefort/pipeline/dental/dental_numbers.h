@@ -1,0 +1,19 @@
+/// \file
+/// Numbers of the teeth of a head whose landmarks are known.
+#pragma once
+
+#include <lefort/anatomy/find_teeth.h>
+#include <lefort/dental/number_teeth.h>
+#include <lefort/plan/landmarks.h>
+
+#include <optional>
+#include <span>
+
+namespace lefort::pipeline {
+
+/// \returns the numbered teeth; nothing without a landmark of the mid-sagittal plane (N, ANS, A), or
+///   if the directions of the head are not known.
+[[nodiscard]] std::optional<dental::NumberedTeeth> dental_numbers(
+    const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks);
+
+}  // namespace lefort::pipeline
