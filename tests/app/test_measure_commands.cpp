@@ -35,9 +35,9 @@ class MeasureCommands : public testing::Test {
     anatomy::LabeledScan scan = anatomy::scan_of(head, 1.5, 20.0, 3);
     const image::Grid& grid = scan.ct.grid;
     for (Index v = 0; v < grid.voxel_count(); ++v) {
-      const Vec3 p_L = grid.point_L({double(v % grid.size[0]),
-                                     double(v / grid.size[0] % grid.size[1]),
-                                     double(v / (grid.size[0] * grid.size[1]))});
+      const Vec3 p_L =
+          grid.point_L({double(v % grid.size[0]), double(v / grid.size[0] % grid.size[1]),
+                        double(v / (grid.size[0] * grid.size[1]))});
       const Vec3 p = head.X_LH().inverse() * p_L;
       const double depth = kRadius_mm - std::hypot(p.x(), p.y() + 20.0);
       if (p.z() > -15.0 || depth < -1.0) continue;
@@ -103,17 +103,35 @@ TEST_F(MeasureCommands, canals_pass_through_corrected_points) {
   plan::Landmarks corrected;
   for (plan::Landmark point : *points) {
     if (point.name == "MeF-L") point.point_L.z() -= 3.0;
+    if (point.name == "IAN-L-1") continue;  // Deleted by the user.
+    if (point.name == "IAN-L-2") point.point_L.z() += 2.0;
     if (point.name.ends_with("-L") || point.name.starts_with("IAN-L")) corrected.push_back(point);
   }
   ASSERT_TRUE(io::write_landmarks(path("corrected.csv"), corrected));
-  const auto again = run_lefort(
-      "nerve '" + path("ct.nrrd").string() + "' --labels '" + path("labels.seg.nrrd").string() +
-      "' --landmarks '" + path("corrected.csv").string() + "' --quiet --json -o '" +
-      path("again").string() + "'");
+  const auto again = run_lefort("nerve '" + path("ct.nrrd").string() + "' --labels '" +
+                                path("labels.seg.nrrd").string() + "' --landmarks '" +
+                                path("corrected.csv").string() + "' --quiet --json -o '" +
+                                path("again").string() + "'");
   ASSERT_EQ(again.exit_code, 0) << again.error;
   const auto end = nlohmann::json::parse(again.out).at("left").at("mental_foramen");
   const Vec3 foramen_L(end[0].get<double>(), end[1].get<double>(), end[2].get<double>());
-  EXPECT_LT((foramen_L - *plan::find_landmark(corrected, "MeF-L")).norm(), 3.0);
+  EXPECT_LT((foramen_L - *plan::find_landmark(corrected, "MeF-L")).norm(), 2.0);
+  double closest_mm = 100.0;
+  const Vec3 given_L = *plan::find_landmark(corrected, "IAN-L-2");
+  const nlohmann::json line = nlohmann::json::parse(again.out).at("left").at("points");
+  for (const auto& p : line)
+    closest_mm = std::min(
+        closest_mm,
+        (Vec3(p[0].get<double>(), p[1].get<double>(), p[2].get<double>()) - given_L).norm());
+  EXPECT_LT(closest_mm, 1.5);
+
+  // The corrections of the user are not overwritten.
+  const std::string points_file = (path("nerve") / "nerve.mrk.json").string();
+  const auto overwriting = run_lefort("nerve '" + path("ct.nrrd").string() + "' --labels '" +
+                                      path("labels.seg.nrrd").string() + "' --quiet --landmarks '" +
+                                      points_file + "' -o '" + path("nerve").string() + "'");
+  EXPECT_EQ(overwriting.exit_code, 1);
+  EXPECT_NE(overwriting.error.find("would be overwritten"), std::string::npos) << overwriting.error;
 }
 
 TEST_F(MeasureCommands, cephalogram_with_tracing_and_norms) {
@@ -134,8 +152,8 @@ TEST_F(MeasureCommands, cephalogram_with_tracing_and_norms) {
   EXPECT_TRUE(pdf.starts_with("%PDF-"));
   EXPECT_NE(bytes_of(path("cephalogram") / "norms.csv").find("McNamara,Co-A,mm,92.4 +- 5.6"),
             std::string::npos);
-  const auto again = run_lefort("cephalogram " + inputs() + "--norms male -o '" +
-                                path("repeated").string() + "'");
+  const auto again =
+      run_lefort("cephalogram " + inputs() + "--norms male -o '" + path("repeated").string() + "'");
   ASSERT_EQ(again.exit_code, 0) << again.error;
   EXPECT_EQ(bytes_of(path("repeated") / "cephalometry.pdf"), pdf);
 }
@@ -152,7 +170,7 @@ TEST_F(MeasureCommands, refuses_in_one_line) {
   const std::string scan = "'" + path("ct.nrrd").string() + "' --labels '" +
                            path("labels.seg.nrrd").string() + "' --quiet ";
   expect_refused("nerve " + scan + "--landmarks '" + path("far.csv").string() + "'", 1,
-                 "more than 3 mm from the mandible");
+                 "they may be of another scan");
 }
 
 }  // namespace

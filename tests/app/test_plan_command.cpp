@@ -139,12 +139,17 @@ TEST_F(PlanCommand, DistancesFromNervesAreReported) {
       << run.out;
   EXPECT_EQ(check(plan(), "--no-pictures --nerve-distance 3 --nerve " + quoted(file)).exit_code, 1);
   EXPECT_EQ(result()["findings"].size(), 2U);
+  json wide = plan();  // The saw takes its kerf from the bone beside the segment.
+  wide["segments"][0]["osteotomy"]["kerf_mm"] = 1.0;
+  EXPECT_EQ(check(wide, "--no-pictures --nerve " + quoted(file)).exit_code, 1);
+  EXPECT_NEAR(result()["nerve"][0]["distance_mm"].get<double>(), 1.5, 1e-6);
 
   for (const char* const bad :
        {"{", "{}", R"({"lefort_nerve": 1})", R"({"lefort_nerve": 1, "left": {"points": 3}})",
         R"({"lefort_nerve": 1, "left": {"radius_mm": 1, "points": [[1, 2]]}})",
         R"({"lefort_nerve": 1, "left": {"radius_mm": 1, "points": [[1, 2, 1e300]]}})",
-        R"({"lefort_nerve": 1, "left": {"radius_mm": -1, "points": []}})"}) {
+        R"({"lefort_nerve": 1, "left": {"radius_mm": 1, "points": []}})",
+        R"({"lefort_nerve": 1, "left": {"radius_mm": -1, "points": [[1, 2, 3], [2, 2, 3]]}})"}) {
     ASSERT_TRUE(io::write_text(file, bad));
     const auto refused = check(plan(), "--no-pictures --nerve " + quoted(file));
     EXPECT_EQ(refused.exit_code, 1) << bad;

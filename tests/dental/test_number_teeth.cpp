@@ -18,10 +18,13 @@ using anatomy::Tooth;
 constexpr std::array<double, 8> kUpperMean{8.5, 6.5, 7.5, 7.0, 7.0, 10.0, 9.0, 8.5};
 constexpr std::array<double, 8> kLowerMean{5.0, 5.5, 7.0, 7.0, 7.0, 11.0, 10.5, 10.0};
 
-int quadrant_of(bool is_upper, bool is_left) { return is_upper ? (is_left ? 2 : 1) : (is_left ? 3 : 4); }
+int quadrant_of(bool is_upper, bool is_left) {
+  return is_upper ? (is_left ? 2 : 1) : (is_left ? 3 : 4);
+}
 
 /// Parts of an arch from right to left, without the given numbers; widths vary by 5 %.
-std::vector<std::pair<int, ArchPart>> arch_without(bool is_upper, const std::set<int>& missing) {
+std::vector<std::pair<int, ArchPart>> arch_without(bool is_upper, const std::set<int>& missing,
+                                                   double deviation_mm = 0.8) {
   const auto& widths = is_upper ? kUpperMean : kLowerMean;
   std::vector<std::pair<int, ArchPart>> parts;
   for (const bool is_left : {false, true}) {
@@ -29,7 +32,7 @@ std::vector<std::pair<int, ArchPart>> arch_without(bool is_upper, const std::set
     for (int n = 1; n <= 8; ++n) {
       const double width = widths[std::size_t(n - 1)] * (1.0 + 0.05 * std::sin(3.0 * n + is_left));
       const int fdi = 10 * quadrant_of(is_upper, is_left) + n;
-      const double center = (is_left ? 1.0 : -1.0) * (edge + 0.5 * width) + 0.8;
+      const double center = (is_left ? 1.0 : -1.0) * (edge + 0.5 * width) + deviation_mm;
       if (!missing.contains(fdi)) parts.push_back({fdi, {center, width}});
       edge += width;
     }
@@ -61,6 +64,19 @@ TEST(AssignFdi, numbers_arches_with_gaps) {
     EXPECT_EQ(assign_fdi(parts, is_upper ? Tooth::kUpper : Tooth::kLower), expected);
   }
   EXPECT_TRUE(assign_fdi({}, Tooth::kUpper).empty());
+}
+
+TEST(AssignFdi, a_deviated_jaw_keeps_its_numbers) {
+  for (const double deviation_mm : {-8.0, -5.0, 5.0, 8.0})
+    for (const auto& missing : {std::set<int>{38, 48}, {38, 48, 36, 46}}) {
+      std::vector<ArchPart> parts;
+      std::vector<int> expected;
+      for (const auto& [fdi, part] : arch_without(false, missing, deviation_mm)) {
+        expected.push_back(fdi);
+        parts.push_back(part);
+      }
+      EXPECT_EQ(assign_fdi(parts, Tooth::kLower), expected) << deviation_mm;
+    }
 }
 
 TEST(AssignFdi, parts_that_are_no_tooth_get_no_number) {
@@ -137,8 +153,8 @@ anatomy::ToothMap map_of(const std::vector<MadeTooth>& upper, const std::vector<
   map.values.assign(std::size_t(map.grid.voxel_count()), Tooth::kNone);
   const RigidTransform X_ML = X_LM.inverse();
   for (Index v = 0; v < map.grid.voxel_count(); ++v) {
-    const Vec3 p = X_ML * map.grid.point_L({double(v % 150), double(v / 150 % 150),
-                                            double(v / (150 * 150))});
+    const Vec3 p =
+        X_ML * map.grid.point_L({double(v % 150), double(v / 150 % 150), double(v / (150 * 150))});
     for (const auto& [teeth, tooth] : {std::pair{&upper, Tooth::kUpper}, {&lower, Tooth::kLower}})
       if ((tooth == Tooth::kUpper) == (p.z() > 0.0))
         for (const MadeTooth& one : *teeth)
@@ -163,9 +179,8 @@ TEST(NumberTeeth, separates_and_numbers_both_jaws) {
   ASSERT_EQ(found.teeth.size(), upper.size() + lower.size());
   for (const auto* const jaw : {&upper, &lower})
     for (const MadeTooth& made : *jaw) {
-      const auto at =
-          std::find_if(found.teeth.begin(), found.teeth.end(),
-                       [&](const NumberedTooth& one) { return one.fdi == made.fdi; });
+      const auto at = std::find_if(found.teeth.begin(), found.teeth.end(),
+                                   [&](const NumberedTooth& one) { return one.fdi == made.fdi; });
       ASSERT_NE(at, found.teeth.end()) << made.fdi;
       EXPECT_LT((at->crown_L - X_LM * made.crown).norm(), 2.0) << made.fdi;
       EXPECT_LT((at->apex_L - X_LM * made.apex).norm(), 2.5) << made.fdi;
@@ -185,6 +200,7 @@ TEST(NumberTeeth, nothing_without_teeth) {
   const NumberedTeeth found = number_teeth(empty, {});
   EXPECT_TRUE(found.teeth.empty());
   EXPECT_EQ(found.numbers.values.size(), 125U);
+  EXPECT_EQ(found.missing.size(), 28U);
 }
 
 }  // namespace

@@ -19,8 +19,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(HeadDirections, follow_the_frankfurt_horizontal) {
   const Mat3 tilt = Eigen::AngleAxisd(12.0 * kDegree, Vec3::UnitX()).toRotationMatrix();
-  Landmarks landmarks{{"Or-R", {-33, -80, 0}}, {"Or-L", {33, -80, 0}}, {"Po-R", {-60, 5, 0}},
-                      {"Po-L", {60, 5, 0}},    {"N", {0, -95, 30}}};
+  Landmarks landmarks{{"Or-R", {-33, -80, 0}},
+                      {"Or-L", {33, -80, 0}},
+                      {"Po-R", {-60, 5, 0}},
+                      {"Po-L", {60, 5, 0}},
+                      {"N", {0, -95, 30}}};
   for (Landmark& one : landmarks) one.point_L = tilt * one.point_L;
   const auto head = head_directions(landmarks);
   ASSERT_TRUE(head) << head.error().message;
@@ -32,6 +35,16 @@ TEST(HeadDirections, follow_the_frankfurt_horizontal) {
   ASSERT_TRUE(unknown);
   EXPECT_FALSE(unknown->has_frankfurt_horizontal);
   EXPECT_TRUE(unknown->anterior_L.isApprox(-Vec3::UnitY(), 1e-12));
+}
+
+TEST(HeadDirections, refuses_exchanged_orbitale_and_porion) {
+  const Landmarks exchanged{
+      {"Or-R", {-33, 5, 0}}, {"Or-L", {33, 5, 0}}, {"Po-R", {-60, -80, 0}}, {"Po-L", {60, -80, 0}}};
+  ASSERT_FALSE(head_directions(exchanged));
+  EXPECT_EQ(head_directions(exchanged).error().code, ErrorCode::kPlanInvalid);
+  const Landmarks together{
+      {"Or-R", {-33, 5, 0}}, {"Or-L", {33, 5, 0}}, {"Po-R", {-60, 8, 0}}, {"Po-L", {60, 8, 0}}};
+  EXPECT_FALSE(head_directions(together));
 }
 
 RigidTransform rotation(double angle_deg, const Vec3& axis) {
@@ -64,8 +77,8 @@ TEST(MovementTerms, signs_are_those_of_the_words) {
 
 TEST(MovementTerms, combined_rotations_are_recovered_in_order) {
   const HeadDirections head;
-  const RigidTransform X = rotation(5.0, Vec3::UnitZ()) * rotation(-3.0, Vec3::UnitX()) *
-                           rotation(2.0, -Vec3::UnitY());
+  const RigidTransform X =
+      rotation(5.0, Vec3::UnitZ()) * rotation(-3.0, Vec3::UnitX()) * rotation(2.0, -Vec3::UnitY());
   const MovementTerms terms = movement_terms(X, Vec3::Zero(), head);
   EXPECT_NEAR(terms.yaw_deg, 5.0, 1e-9);
   EXPECT_NEAR(terms.pitch_deg, -3.0, 1e-9);
@@ -78,6 +91,19 @@ TEST(CephalometricNorms, all_are_rows_of_the_table) {
     EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const Measurement& row) {
       return row.name == norm.measurement;
     })) << norm.measurement;
+}
+
+TEST(CephalometricNorms, lengths_of_mcnamara_are_of_life_size) {
+  const auto norm_of = [](std::string_view analysis, std::string_view name) {
+    for (const CephalometricNorm& norm : cephalometric_norms())
+      if (norm.analysis == analysis && norm.measurement == name) return norm;
+    throw std::runtime_error("no norm");
+  };
+  EXPECT_NEAR(norm_of("McNamara", "Co-A").female.mean, 84.26, 0.01);
+  EXPECT_NEAR(norm_of("McNamara", "Co-Gn").male.mean, 124.35, 0.01);
+  EXPECT_NEAR(norm_of("McNamara", "A-Nperp").male.mean, 1.02, 0.01);
+  EXPECT_EQ(norm_of("McNamara", "FH-MP").female.mean, 22.7);
+  EXPECT_EQ(norm_of("Steiner", "SNA").male.mean, 82.0);
 }
 
 TEST(CephalometricNorms, deviations_are_in_standard_deviations) {
@@ -95,11 +121,12 @@ TEST(CephalometricNorms, deviations_are_in_standard_deviations) {
 
 TEST(Cephalometrics, distances_from_reference_lines) {
   // FH along -y; the vertical is z.
-  const Landmarks landmarks{{"Or-R", {-33, -80, 0}}, {"Or-L", {33, -80, 0}}, {"Po-R", {-60, 5, 0}},
-                            {"Po-L", {60, 5, 0}},    {"N", {0, -90, 30}},    {"A", {0, -93, -30}},
-                            {"Pg", {0, -88, -90}},   {"L1", {0, -91, -55}},  {"Sn", {0, -100, -25}},
-                            {"Ls", {0, -104, -40}},  {"Prn", {0, -116, -15}}, {"N'", {0, -96, 32}},
-                            {"Me'", {0, -85, -100}}};
+  const Landmarks landmarks{
+      {"Or-R", {-33, -80, 0}}, {"Or-L", {33, -80, 0}},  {"Po-R", {-60, 5, 0}},
+      {"Po-L", {60, 5, 0}},    {"N", {0, -90, 30}},     {"A", {0, -93, -30}},
+      {"Pg", {0, -88, -90}},   {"L1", {0, -91, -55}},   {"Sn", {0, -100, -25}},
+      {"Ls", {0, -104, -40}},  {"Prn", {0, -116, -15}}, {"N'", {0, -96, 32}},
+      {"Me'", {0, -85, -100}}};
   const auto value = [&](const std::string& name) {
     const std::vector<Measurement> rows = measure(landmarks).value();
     for (const Measurement& row : rows)

@@ -203,6 +203,12 @@ std::size_t smallest(const std::vector<AirwaySection>& sections) {
                      sections.begin());
 }
 
+/// Unit length; to inferior if the points coincide.
+Vec3 direction_between(const Vec3& from_L, const Vec3& to_L, const AirwayLimits& limits) {
+  const Vec3 along_L = to_L - from_L;
+  return along_L.norm() > 1e-9 ? Vec3(along_L.normalized()) : Vec3(-limits.superior_L);
+}
+
 void measure_sections(const std::vector<Vec3>& line_L, const image::ScalarVolume& fraction,
                       const AirwayLimits& limits, Airway& airway) {
   airway.sections.resize(line_L.size());
@@ -211,7 +217,7 @@ void measure_sections(const std::vector<Vec3>& line_L, const image::ScalarVolume
   for (std::size_t n = 0; n < line_L.size(); ++n) {
     if (n > 0) along_mm += (line_L[n] - line_L[n - 1]).norm();
     const std::size_t from = n > 0 ? n - 1 : 0, to = std::min(n + 1, line_L.size() - 1);
-    airway.sections[n] = {along_mm, line_L[n], (line_L[to] - line_L[from]).normalized()};
+    airway.sections[n] = {along_mm, line_L[n], direction_between(line_L[from], line_L[to], limits)};
     airway.axial[n] = {along_mm, line_L[n], -limits.superior_L};
   }
   parallel_for(
@@ -238,9 +244,10 @@ Result<Airway> no_airway() {
 
 Result<Airway> measure_airway(const image::CtVolume& ct, const LabelMap& labels,
                               const AirwayLimits& limits) {
-  if (!(above(limits.upper_L, limits.lower_L, limits) > 0.0))
+  constexpr double kMinHeight_mm = 5.0;
+  if (!(above(limits.upper_L, limits.lower_L, limits) > kMinHeight_mm))
     return fail(ErrorCode::kInvalidArgument,
-                "the upper limit of the airway is not above the lower");
+                "the upper limit of the airway is not above the lower by 5 mm or more");
   const Mask everywhere = airway_near(labels, limits);
   if (voxel_count(everywhere) == 0) return no_airway();
   const Margin margin = margin_around(labels.grid, {3, 3, 3},

@@ -54,7 +54,8 @@ struct Airway {
 /// \param ct      the scan.
 /// \param labels  with the airway. \pre on the grid of `ct`.
 /// \param limits  in frame L.
-/// \returns the airway; or kInvalidArgument if the upper limit is not above the lower one; or
+/// \returns the airway; or kInvalidArgument if the upper limit is not 5 mm or more above the
+///   lower one; or
 ///   kAnatomyMissing if there is less than 0.1 ml of air between the limits.
 [[nodiscard]] Result<Airway> measure_airway(const image::CtVolume& ct, const LabelMap& labels,
                                             const AirwayLimits& limits);

@@ -21,7 +21,7 @@ namespace {
 constexpr double kVoxel_mm = 0.5;
 constexpr double kSmoothing_mm = 0.5;
 // The mandible reaches so far beyond its landmarks.
-constexpr double kAround_mm = 12.0;
+constexpr double kAround_mm = 20.0, kMaxExtent_mm = 250.0;
 constexpr double kMarrowGap_mm = 3.0;
 constexpr double kCourse_mm = 4.0;
 constexpr double kForamenReach_mm = 7.0;
@@ -235,6 +235,15 @@ double percentile_in(const HalfMandible& half, const Mask& set, double fraction)
   return double(*at);
 }
 
+bool is_at_border(const image::Grid& grid, Index v) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Index at = v % grid.size[axis];
+    v /= grid.size[axis];
+    if (at == 0 || at == grid.size[axis] - 1) return true;
+  }
+  return false;
+}
+
 /// Dark lines (\cite sato1998), sigma^2 sqrt(l2 l3) with the two largest eigenvalues of the Hessian
 /// of the image after a Gaussian of `sigma_mm`, where both are positive; otherwise 0.
 image::ScalarVolume dark_lines(const HalfMandible& half, double sigma_mm) {
@@ -246,7 +255,7 @@ image::ScalarVolume dark_lines(const HalfMandible& half, double sigma_mm) {
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
   const double scale = sigma_mm * sigma_mm / (kVoxel_mm * kVoxel_mm);
   parallel_for(grid.voxel_count(), [&](Index v) {
-    if (half.bone.values[std::size_t(v)] == 0) return;
+    if (half.bone.values[std::size_t(v)] == 0 || is_at_border(grid, v)) return;
     const auto at = [&](Index w) { return double(h.values[std::size_t(w)]); };
     Mat3 hessian;
     for (int a = 0; a < 3; ++a) {
@@ -415,6 +424,11 @@ void describe_line(const HalfMandible& half, NerveCanal& canal) {
 
 Result<NerveCanal> trace_nerve(const image::CtVolume& ct, const LabelMap& labels,
                                const MandibleSide& side) {
+  const image::Grid grid = grid_of(side);
+  if (double(*std::max_element(grid.size.begin(), grid.size.end())) * kVoxel_mm > kMaxExtent_mm)
+    return fail(ErrorCode::kAnatomyMissing,
+                "the landmarks and points of the canal lie too far from each other for a mandible: "
+                "they may be of another scan");
   const HalfMandible half = half_mandible(ct, labels, side);
   LEFORT_TRY(const std::vector<Vec3> course_L, expected_course(half, side));
   LEFORT_TRY(const auto through, stations(half, side, course_L));

@@ -38,8 +38,8 @@ struct NerveCanal {
 ///
 /// The speed of the front is a product of three factors:
 ///   - bone:     1 / (1 + ((h - l) / (0.35 (u - l)))^4) for a smoothed CT number h above l, the
-///     10th percentile 2 mm below the surface; u is the median at the surface. Below -120 HU, darker
-///     than marrow (streaks beside metal), the same with (-120 - h) / 80;
+///     10th percentile 2 mm below the surface; u is the median at the surface. Below -120 HU
+///     (streaks beside metal), the same with (-120 - h) / 80;
 ///   - darkness: 0.05 + 0.95 min(1, r / (0.5 (u - l))) with the response r to dark lines of
 ///     \cite sato1998, sigma 1 mm;
 ///   - course:   0.05 + 0.95 exp(-d^2 / (2 s^2)) with s = 4 mm and the distance d from the expected
@@ -53,14 +53,16 @@ struct NerveCanal {
 ///     lateral surface (28.8 and 14.9 mm by \cite apinhasmit2006, 26 and 13 mm by others).
 ///
 /// The path may start and end within 7 mm of the expected foramina, on the surface, at a cost that
-/// grows with the distance from them; given foramina and points are exact. The constants were
+/// grows with the distance from them. It passes given points and foramina, moved to the closest
+/// voxel of the bone and smoothed: within about 1 mm if they lie in the bone. The constants were
 /// chosen on the labeled jaws of `script/check_nerve`.
 ///
 /// \param ct      the scan.
 /// \param labels  with the mandible. \pre on the grid of `ct`.
 /// \param side    landmarks and directions.
 /// \returns the canal; or kAnatomyMissing if the mandible has no bone where the course is expected,
-///   or a given point is more than 3 mm from the mandible.
+///   a given point is more than 3 mm from the mandible, or the landmarks are more than 200 mm from
+///   each other.
 [[nodiscard]] Result<NerveCanal> trace_nerve(const image::CtVolume& ct, const LabelMap& labels,
                                              const MandibleSide& side);
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 namespace lefort::dental {
 namespace {
@@ -11,7 +12,9 @@ constexpr int kPositions = 16;
 /// Mean mesiodistal crown widths [mm] from the central incisor to the third molar \cite nelson2010.
 constexpr std::array<double, 8> kUpperWidth_mm{8.5, 6.5, 7.5, 7.0, 7.0, 10.0, 9.0, 8.5};
 constexpr std::array<double, 8> kLowerWidth_mm{5.0, 5.5, 7.0, 7.0, 7.0, 11.0, 10.5, 10.0};
-constexpr double kWidth_mm = 1.5, kDistance_mm = 2.0, kMissingDistance_mm = 1.5, kMidline_mm = 6.0;
+constexpr double kWidth_mm = 1.5, kDistance_mm = 2.0, kMissingDistance_mm = 1.5, kMidline_mm = 3.0;
+/// Deviation of the middle of a jaw from the mid-sagittal plane.
+constexpr double kDeviation_mm = 4.0, kMaxDeviation_mm = 10.0, kDeviationStep_mm = 1.0;
 constexpr double kMissing = 1.5, kMissingThirdMolar = 0.0, kNoTooth = 9.0;
 
 /// The sixteen positions of a jaw, from the right third molar to the left one.
@@ -59,9 +62,13 @@ double cost_between(const ArchPart& a, int from, const ArchPart& b, int to,
          missing_between(from, to);
 }
 
-}  // namespace
+/// Numbers of the parts, and what they cost.
+struct Assignment {
+  double cost = std::numeric_limits<double>::infinity();
+  std::vector<int> fdi;
+};
 
-std::vector<int> assign_fdi(std::span<const ArchPart> parts, anatomy::Tooth jaw) {
+Assignment assign_without_deviation(std::span<const ArchPart> parts, anatomy::Tooth jaw) {
   const Positions positions(jaw);
   const std::size_t count = parts.size();
   // best[n][k]: parts up to n, part n at position k; from[n][k]: the part before (or none) and its
@@ -106,7 +113,24 @@ std::vector<int> assign_fdi(std::span<const ArchPart> parts, anatomy::Tooth jaw)
     part = state.part;
     position = state.position;
   }
-  return fdi;
+  return {smallest, fdi};
+}
+
+}  // namespace
+
+std::vector<int> assign_fdi(std::span<const ArchPart> parts, anatomy::Tooth jaw) {
+  Assignment best;
+  std::vector<ArchPart> shifted(parts.begin(), parts.end());
+  constexpr int kSteps = int(kMaxDeviation_mm / kDeviationStep_mm);
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    const double deviation_mm = kDeviationStep_mm * double(step);
+    for (std::size_t n = 0; n < parts.size(); ++n)
+      shifted[n].center_mm = parts[n].center_mm - deviation_mm;
+    Assignment one = assign_without_deviation(shifted, jaw);
+    one.cost += squared(deviation_mm / kDeviation_mm);
+    if (one.cost < best.cost) best = std::move(one);
+  }
+  return best.fdi;
 }
 
 }  // namespace lefort::dental

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <utility>
 
 namespace lefort::dental {
@@ -48,7 +49,7 @@ class Arch {
  public:
   explicit Arch(const Jaw& jaw);
 
-  /// Length of the curve from the mid-sagittal plane to the sector of a point, positive to the left.
+  /// Length of the curve from the mid-sagittal plane to the sector of a point; to the left > 0.
   [[nodiscard]] double along_mm(const Vec3& p_L) const {
     const double at = std::clamp(sector(p_L), 0.0, double(kSectors) - 1.001);
     const auto lower = std::size_t(at);
@@ -57,8 +58,7 @@ class Arch {
   }
   /// Whether a voxel belongs to the occlusal part of the arch at its place.
   [[nodiscard]] bool is_crown(const Vec3& p_L, double height_mm) const {
-    const auto at = std::size_t(std::clamp(sector(p_L), 0.0, double(kSectors) - 1.0));
-    return height_mm > highest_mm_[at] - kOcclusalPart_mm;
+    return height_mm > highest_mm_[bin(p_L)] - kOcclusalPart_mm;
   }
 
  private:
@@ -70,6 +70,11 @@ class Arch {
     // From -120 to 120 degrees about the anterior direction.
     const double angle = std::atan2(x, y) / (2.0 * std::numbers::pi / 3.0);
     return 0.5 * (angle + 1.0) * double(kSectors - 1);
+  }
+
+  /// The closest sector.
+  [[nodiscard]] std::size_t bin(const Vec3& p_L) const {
+    return std::size_t(std::clamp(std::lround(sector(p_L)), 0L, long(kSectors) - 1L));
   }
 
   DentalFrame frame_;
@@ -95,7 +100,9 @@ void fill_gaps(std::vector<double>& values) {
       const double t = double(m - last) / double(n - last);
       const double before = last >= 0 ? values[std::size_t(last)] : std::nan("");
       const double after = n < count ? values[std::size_t(n)] : std::nan("");
-      values[std::size_t(m)] = last < 0 ? after : n == count ? before : before + t * (after - before);
+      values[std::size_t(m)] = last < 0     ? after
+                               : n == count ? before
+                                            : before + t * (after - before);
     }
     last = n;
   }
@@ -124,8 +131,8 @@ Arch::Arch(const Jaw& jaw) : frame_(jaw.frame) {
   }
   constexpr double kOrigin = 0.3;
   const double origin_mm = back_mm + kOrigin * (front_mm - back_mm);
-  origin_L_ = frame_.midline_L +
-              (origin_mm - frame_.anterior_L.dot(frame_.midline_L)) * frame_.anterior_L;
+  origin_L_ =
+      frame_.midline_L + (origin_mm - frame_.anterior_L.dot(frame_.midline_L)) * frame_.anterior_L;
   std::vector<std::vector<double>> radii(kSectors), heights(kSectors);
   const auto collect = [&](bool crowns_only) {
     for (auto& values : radii) values.clear();
@@ -135,7 +142,7 @@ Arch::Arch(const Jaw& jaw) : frame_(jaw.frame) {
       const double height_mm = jaw.height_mm(p_L);
       if (crowns_only && !is_crown(p_L, height_mm)) continue;
       const Vec3 d = p_L - origin_L_;
-      const auto at = std::size_t(std::clamp(std::lround(sector(p_L)), 0L, long(kSectors) - 1L));
+      const std::size_t at = bin(p_L);
       radii[at].push_back(std::hypot(frame_.left_L.dot(d), frame_.anterior_L.dot(d)));
       if (!crowns_only) heights[at].push_back(height_mm);
     }
@@ -155,7 +162,8 @@ Arch::Arch(const Jaw& jaw) : frame_(jaw.frame) {
   const double step = 4.0 * std::numbers::pi / 3.0 / double(kSectors - 1);
   for (std::size_t n = 1; n < kSectors; ++n) {
     const double a = radius_mm[n - 1], b = radius_mm[n];
-    along_mm_[n] = along_mm_[n - 1] + std::sqrt(std::max(0.0, a * a + b * b - 2.0 * a * b * std::cos(step)));
+    along_mm_[n] =
+        along_mm_[n - 1] + std::sqrt(std::max(0.0, a * a + b * b - 2.0 * a * b * std::cos(step)));
   }
   const double middle = 0.5 * (along_mm_[kSectors / 2 - 1] + along_mm_[kSectors / 2]);
   for (double& value : along_mm_) value -= middle;
@@ -163,8 +171,38 @@ Arch::Arch(const Jaw& jaw) : frame_(jaw.frame) {
 
 /// Number of common faces of each pair of parts, and the size of each part.
 struct Adjacency {
-  std::map<std::pair<std::int32_t, std::int32_t>, Index> faces;
+  std::map<std::int32_t, std::map<std::int32_t, Index>> faces;  ///< In both directions.
   std::map<std::int32_t, Index> voxels, crown_voxels;
+
+  /// The neighbor with the most common faces; 0 if there is none.
+  [[nodiscard]] std::int32_t closest(std::int32_t part) const {
+    const auto neighbors = faces.find(part);
+    if (neighbors == faces.end()) return 0;
+    std::int32_t closest = 0;
+    Index most = 0;
+    for (const auto& [other, count] : neighbors->second)
+      if (count > most) {
+        most = count;
+        closest = other;
+      }
+    return closest;
+  }
+  /// Adds `from` to `to`; to 0: removes it.
+  void join(std::int32_t from, std::int32_t to) {
+    for (const auto& [other, count] : faces[from]) {
+      faces[other].erase(from);
+      if (to == 0 || other == to) continue;
+      faces[to][other] += count;
+      faces[other][to] += count;
+    }
+    faces.erase(from);
+    if (to != 0) {
+      voxels[to] += voxels[from];
+      crown_voxels[to] += crown_voxels[from];
+    }
+    voxels.erase(from);
+    crown_voxels.erase(from);
+  }
 };
 
 Adjacency adjacency_of(const Jaw& jaw, const Arch& arch) {
@@ -177,10 +215,15 @@ Adjacency adjacency_of(const Jaw& jaw, const Arch& arch) {
     const Vec3 p_L = jaw.center(std::size_t(v));
     ++found.voxels[part];
     if (arch.is_crown(p_L, jaw.height_mm(p_L))) ++found.crown_voxels[part];
-    for (const Index step : stride) {
-      if (v + step >= grid.voxel_count()) continue;
-      const std::int32_t other = jaw.parts.values[std::size_t(v + step)];
-      if (other != 0 && other != part) ++found.faces[std::minmax(part, other)];
+    Index rest = v;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool is_last = rest % grid.size[axis] + 1 == grid.size[axis];
+      rest /= grid.size[axis];
+      if (is_last) continue;
+      const std::int32_t other = jaw.parts.values[std::size_t(v + stride[axis])];
+      if (other == 0 || other == part) continue;
+      ++found.faces[part][other];
+      ++found.faces[other][part];
     }
   }
   return found;
@@ -190,32 +233,31 @@ void relabel(Jaw& jaw, std::int32_t from, std::int32_t to) {
   std::replace(jaw.parts.values.begin(), jaw.parts.values.end(), from, to);
 }
 
-/// Joins parts that are no tooth of their own with the neighbor that they touch most, one by one.
+/// Joins parts that are no tooth of their own with the neighbor that they touch most, the smallest
+/// first; removes those without a neighbor.
 void join_small_parts(Jaw& jaw, const Arch& arch) {
-  const double voxel_mm3 = anatomy::voxel_ml(jaw.mask.grid) * 1e3;
   constexpr double kMinCrown_mm3 = 30.0;
-  for (;;) {
-    const Adjacency now = adjacency_of(jaw, arch);
-    std::int32_t smallest = 0;
-    for (const auto& [part, voxels] : now.voxels) {
-      const auto crown = now.crown_voxels.find(part);
-      const double crown_mm3 =
-          crown == now.crown_voxels.end() ? 0.0 : voxel_mm3 * double(crown->second);
-      if (double(voxels) * voxel_mm3 >= kMinTooth_mm3 && crown_mm3 >= kMinCrown_mm3) continue;
-      if (smallest == 0 || voxels < now.voxels.at(smallest)) smallest = part;
-    }
-    if (smallest == 0) return;
-    std::int32_t neighbor = 0;
-    Index most = 0;
-    for (const auto& [pair, faces] : now.faces) {
-      if (pair.first != smallest && pair.second != smallest) continue;
-      if (faces > most) {
-        most = faces;
-        neighbor = pair.first == smallest ? pair.second : pair.first;
-      }
-    }
-    relabel(jaw, smallest, neighbor);  // To 0 if it touches none.
+  const double voxel_mm3 = anatomy::voxel_ml(jaw.mask.grid) * 1e3;
+  Adjacency now = adjacency_of(jaw, arch);
+  std::map<std::int32_t, std::int32_t> joined;
+  const auto is_tooth = [&](std::int32_t part) {
+    return double(now.voxels[part]) * voxel_mm3 >= kMinTooth_mm3 &&
+           double(now.crown_voxels[part]) * voxel_mm3 >= kMinCrown_mm3;
+  };
+  std::set<std::pair<Index, std::int32_t>> small;  // By size.
+  for (const auto& [part, voxels] : now.voxels)
+    if (!is_tooth(part)) small.emplace(voxels, part);
+  while (!small.empty()) {
+    const std::int32_t part = small.begin()->second;
+    small.erase(small.begin());
+    const std::int32_t to = now.closest(part);
+    if (to != 0) small.erase({now.voxels[to], to});
+    now.join(part, to);
+    joined[part] = to;
+    if (to != 0 && !is_tooth(to)) small.emplace(now.voxels[to], to);
   }
+  for (std::int32_t& part : jaw.parts.values)
+    for (auto at = joined.find(part); at != joined.end(); at = joined.find(part)) part = at->second;
 }
 
 /// Centers and widths of the crowns along the arch.
@@ -240,19 +282,28 @@ std::map<std::int32_t, ArchPart> arch_parts(const Jaw& jaw, const Arch& arch) {
   return parts;
 }
 
+/// Adjacent parts, each pair once.
+std::vector<std::pair<std::int32_t, std::int32_t>> pairs_of(const Adjacency& adjacency) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  for (const auto& [part, neighbors] : adjacency.faces)
+    for (const auto& [other, count] : neighbors)
+      if (part < other && count > 0) pairs.emplace_back(part, other);
+  return pairs;
+}
+
 /// Joins parts that lie side by side across the arch (cusps, roots).
 void join_across(Jaw& jaw, const Arch& arch) {
   constexpr double kOverlap = 0.5;
   for (bool has_changed = true; has_changed;) {
     has_changed = false;
     const auto parts = arch_parts(jaw, arch);
-    for (const auto& [pair, faces] : adjacency_of(jaw, arch).faces) {
-      const auto a = parts.find(pair.first), b = parts.find(pair.second);
+    for (const auto& [first, second] : pairs_of(adjacency_of(jaw, arch))) {
+      const auto a = parts.find(first), b = parts.find(second);
       if (a == parts.end() || b == parts.end()) continue;
       const double low = std::max(a->second.first_mm(), b->second.first_mm());
       const double high = std::min(a->second.last_mm(), b->second.last_mm());
       if (high - low < kOverlap * std::min(a->second.width_mm, b->second.width_mm)) continue;
-      relabel(jaw, pair.second, pair.first);
+      relabel(jaw, second, first);
       has_changed = true;
       break;
     }
@@ -280,8 +331,8 @@ NumberedTooth describe_part(const Jaw& jaw, const Arch& arch, std::int32_t part,
   for (const Vec3& p_L : all_L) spread += (p_L - mean) * (p_L - mean).transpose();
   tooth.axis_L = symmetric_eigen(spread).vectors.col(2);
   // A molar may be wider than long: then the direction to the crown.
-  const Vec3 occlusal_L = jaw.jaw == Tooth::kUpper ? Vec3(-jaw.frame.superior_L)
-                                                   : jaw.frame.superior_L;
+  const Vec3 occlusal_L =
+      jaw.jaw == Tooth::kUpper ? Vec3(-jaw.frame.superior_L) : jaw.frame.superior_L;
   constexpr double kUpright = 0.6;
   if (std::abs(tooth.axis_L.dot(occlusal_L)) < kUpright) tooth.axis_L = occlusal_L;
   if (tooth.axis_L.dot(occlusal_L) < 0.0) tooth.axis_L = -tooth.axis_L;
@@ -306,9 +357,8 @@ struct NumberedParts {
 NumberedParts numbered_parts(const Jaw& jaw, const Arch& arch) {
   const auto parts = arch_parts(jaw, arch);
   std::vector<std::pair<std::int32_t, ArchPart>> ordered(parts.begin(), parts.end());
-  std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) {
-    return a.second.center_mm < b.second.center_mm;
-  });
+  std::sort(ordered.begin(), ordered.end(),
+            [](const auto& a, const auto& b) { return a.second.center_mm < b.second.center_mm; });
   NumberedParts found;
   for (const auto& [label, place] : ordered) {
     found.labels.push_back(label);
@@ -336,7 +386,8 @@ void divide_part(Jaw& jaw, const Arch& arch, std::int32_t part, const ArchPart& 
   const auto last = voxels.begin() + std::ptrdiff_t(kTo * double(bins)) + 1;
   const double cut_mm =
       place.first_mm() +
-      kBin_mm * (double(std::min_element(first, std::min(last, voxels.end())) - voxels.begin()) + 0.5);
+      kBin_mm *
+          (double(std::min_element(first, std::min(last, voxels.end())) - voxels.begin()) + 0.5);
   for (std::size_t v = 0; v < jaw.parts.values.size(); ++v)
     if (jaw.parts.values[v] == part && arch.along_mm(jaw.center(v)) > cut_mm)
       jaw.parts.values[v] = next;
@@ -361,6 +412,15 @@ NumberedParts divided_parts(Jaw& jaw, const Arch& arch) {
   return found;
 }
 
+/// Adds the numbers of a jaw that no part has, except third molars.
+void add_missing(const std::vector<int>& fdi, Tooth jaw, NumberedTeeth& result) {
+  const std::array<int, 2> quadrants = jaw == Tooth::kUpper ? std::array{1, 2} : std::array{3, 4};
+  for (const int quadrant : quadrants)
+    for (int position = 1; position <= 7; ++position)
+      if (std::find(fdi.begin(), fdi.end(), 10 * quadrant + position) == fdi.end())
+        result.missing.push_back(10 * quadrant + position);
+}
+
 void number_jaw(Jaw& jaw, const anatomy::Margin& margin, NumberedTeeth& result) {
   const Arch arch(jaw);
   join_small_parts(jaw, arch);
@@ -376,12 +436,7 @@ void number_jaw(Jaw& jaw, const anatomy::Margin& margin, NumberedTeeth& result) 
     for (std::size_t v = 0; v < numbers.values.size(); ++v)
       if (jaw.parts.values[v] == labels[n]) numbers.values[v] = std::uint8_t(fdi[n]);
   }
-  const std::array<int, 2> quadrants =
-      jaw.jaw == Tooth::kUpper ? std::array{1, 2} : std::array{3, 4};
-  for (const int quadrant : quadrants)
-    for (int position = 1; position <= 7; ++position)
-      if (std::find(fdi.begin(), fdi.end(), 10 * quadrant + position) == fdi.end())
-        result.missing.push_back(10 * quadrant + position);
+  add_missing(fdi, jaw.jaw, result);
   image::Volume<std::uint8_t> old = anatomy::cropped(result.numbers, margin);
   for (std::size_t v = 0; v < old.values.size(); ++v)
     if (numbers.values[v] != 0) old.values[v] = numbers.values[v];
@@ -395,7 +450,10 @@ NumberedTeeth number_teeth(const anatomy::ToothMap& teeth, const DentalFrame& fr
   result.numbers = {teeth.grid, std::vector<std::uint8_t>(teeth.values.size(), 0)};
   for (const Tooth tooth : {Tooth::kUpper, Tooth::kLower}) {
     const auto belongs = [&](std::size_t v) { return teeth.values[v] == tooth; };
-    if (std::find(teeth.values.begin(), teeth.values.end(), tooth) == teeth.values.end()) continue;
+    if (std::find(teeth.values.begin(), teeth.values.end(), tooth) == teeth.values.end()) {
+      add_missing({}, tooth, result);
+      continue;
+    }
     const anatomy::Margin margin = anatomy::margin_around(teeth.grid, {2, 2, 2}, belongs);
     Jaw jaw{anatomy::cropped(anatomy::mask_where(teeth.grid, belongs), margin), {}, tooth, frame};
     jaw.parts = split_teeth(jaw.mask, kDynamic_mm);

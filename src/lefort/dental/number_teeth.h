@@ -19,8 +19,8 @@ struct DentalFrame {
 };
 
 struct NumberedTooth {
-  /// Number of the FDI (ISO 3950): quadrant 1 upper right, 2 upper left, 3 lower left, 4 lower right
-  /// of the patient, then 1 (central incisor) to 8 (third molar).
+  /// Number of the FDI (ISO 3950): quadrant 1 upper right, 2 upper left, 3 lower left, 4 lower
+  /// right of the patient, then 1 (central incisor) to 8 (third molar).
   int fdi = 0;
   Vec3 crown_L = Vec3::Zero();  ///< Mean of the occlusal 6 mm.
   Vec3 apex_L = Vec3::Zero();   ///< Mean of the 5 % furthest from the crown along the axis.
@@ -41,8 +41,8 @@ struct NumberedTeeth {
 /// Separates and numbers the teeth.
 ///
 /// 1. Watershed of the distance to the surface (\cite beucher1993), from its maxima with a dynamic
-///    of 0.5 mm or more (\cite grimaud1992): adjacent crowns touch in a narrow area, a crown and its
-///    roots do not. Parts without a crown and parts below 60 mm3 join the neighbor with the largest
+///    of 0.5 mm or more (\cite grimaud1992): adjacent crowns touch in a narrow area, a crown
+///    and its roots do not. Parts without a crown and parts below 60 mm3 join the neighbor with the largest
 ///    common area; so do parts that lie side by side across the arch.
 /// 2. Each part has a center and a width along the arch, a curve through the medians of its crowns
 ///    in sectors.
@@ -50,12 +50,13 @@ struct NumberedTeeth {
 ///    between 30 and 70 % of its width.
 /// 4. Numbers minimize, by dynamic programming over parts and positions in order, the squared
 ///    deviations of widths (1.5 mm), of distances between neighbors (2 mm, more across missing
-///    teeth), and of positions from the midline (6 mm), with costs of missing teeth and of parts
-///    that are no tooth. Means are the crown widths of \cite nelson2010.
+///    teeth), of positions from the middle of the jaw (3 mm), and of that middle from the
+///    mid-sagittal plane (4 mm, at most 10 mm), with costs of missing teeth and of parts that are
+///    no tooth. Means are the crown widths of \cite nelson2010.
 ///
 /// \param teeth  crowns and roots of both jaws.
 /// \param frame  of the head.
-/// \note The constants were looked at on `jaws_and_teeth_labels`.
+/// \note The constants were chosen with `jaws_and_teeth_labels`.
 [[nodiscard]] NumberedTeeth number_teeth(const anatomy::ToothMap& teeth, const DentalFrame& frame);
 
 }  // namespace lefort::dental

@@ -80,8 +80,7 @@ std::vector<Index> maxima(const anatomy::Mask& set, const image::ScalarVolume& h
 image::Volume<std::int32_t> split_teeth(const anatomy::Mask& teeth, double dynamic_mm) {
   const image::ScalarVolume depth_mm = anatomy::distance_to(
       anatomy::mask_where(teeth.grid, [&](std::size_t v) { return teeth.values[v] == 0; }));
-  image::Volume<std::int32_t> seeds{teeth.grid,
-                                    std::vector<std::int32_t>(teeth.values.size(), 0)};
+  image::Volume<std::int32_t> seeds{teeth.grid, std::vector<std::int32_t>(teeth.values.size(), 0)};
   std::int32_t number = 0;
   for (const Index v : maxima(teeth, depth_mm, dynamic_mm)) seeds.values[std::size_t(v)] = ++number;
   return anatomy::seeded_watershed(seeds, teeth, depth_mm);

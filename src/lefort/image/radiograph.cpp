@@ -25,7 +25,8 @@ std::pair<double, double> within(const Grid& grid, const Vec3& from_L, const Vec
       if (from_V[axis] < -0.5 || from_V[axis] > last) return {1.0, 0.0};
       continue;
     }
-    const double a = (-0.5 - from_V[axis]) / along_V[axis], b = (last - from_V[axis]) / along_V[axis];
+    const double a = (-0.5 - from_V[axis]) / along_V[axis],
+                 b = (last - from_V[axis]) / along_V[axis];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }

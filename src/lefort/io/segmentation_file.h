@@ -52,8 +52,8 @@ namespace lefort::io {
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());
 
-/// Writes numbered teeth atomically, with one segment for each tooth: "tooth 11". The label is the FDI
-/// number.
+/// Writes numbered teeth atomically, with one segment for each tooth: "tooth 11". The label is the
+/// FDI number.
 ///
 /// \param target   ends in .seg.nrrd.
 /// \param numbers  FDI numbers, 0 elsewhere.

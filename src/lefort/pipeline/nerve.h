@@ -27,6 +27,7 @@ struct NerveJob {
 /// \returns the summary, or
 ///   - the errors of oriented_head() and anatomy::trace_nerve();
 ///   - kAnatomyMissing   the labels have no mandible, or a landmark is missing;
+///   - kInvalidArgument  a point IAN has no number, or the landmarks would be overwritten;
 ///   - kFileUnwritable   a result cannot be written.
 [[nodiscard]] Result<Summary> trace_nerves(const NerveJob& job, Progress& progress);
 

@@ -40,7 +40,7 @@ struct CheckPlanJob {
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
   std::optional<std::filesystem::path> skull;  ///< A closed surface, instead of any scan.
   std::optional<std::filesystem::path> nerve = std::nullopt;  ///< nerve.json of trace_nerves().
-  std::filesystem::path output;                ///< A folder; made if missing.
+  std::filesystem::path output;                               ///< A folder; made if missing.
   std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
   predict::PlanLimits limits;
   bool pictures = true;

@@ -14,8 +14,9 @@ constexpr NormValue on_mcnamara_film(double mean, double deviation) {
 constexpr const char* kSteiner = "Steiner 1953, adults with good occlusion";
 constexpr const char* kDowns = "Downs 1948, 20 persons of 12 to 17 years";
 constexpr const char* kMcNamara = "McNamara 1984, Ann Arbor sample, 111 adults";
+constexpr const char* kMcNamaraUnverified = "McNamara 1984, 111 adults; not verified";
 constexpr const char* kRicketts = "Ricketts 1981, at 18 years";
-constexpr const char* kArnett = "Arnett et al. 1999, 46 adults";
+constexpr const char* kArnett = "Arnett et al. 1999, 46 adults; not verified";
 
 constexpr NormValue kSna = no_deviation(82.0), kSnb = no_deviation(80.0), kAnb = no_deviation(2.0);
 constexpr NormValue kFacial{87.8, 3.6}, kConvexity{0.0, 5.1}, kPlane{21.9, 3.2};
@@ -29,15 +30,17 @@ constexpr std::array kNorms{
     CephalometricNorm{"Downs", "FH-NPg", kFacial, kFacial, kDowns},
     CephalometricNorm{"Downs", "NAPg", kConvexity, kConvexity, kDowns},
     CephalometricNorm{"Downs", "FH-MP", kPlane, kPlane, kDowns},
-    CephalometricNorm{"McNamara", "A-Nperp", {0.4, 2.3}, {1.1, 2.7}, kMcNamara},
-    CephalometricNorm{"McNamara", "Pg-Nperp", {-1.8, 4.5}, {-0.3, 3.8}, kMcNamara},
-    CephalometricNorm{
-        "McNamara", "Co-A", on_mcnamara_film(91.0, 4.3), on_mcnamara_film(99.8, 6.0), kMcNamara},
-    CephalometricNorm{
-        "McNamara", "Co-Gn", on_mcnamara_film(120.2, 5.3), on_mcnamara_film(134.3, 6.8), kMcNamara},
-    CephalometricNorm{
-        "McNamara", "ANS-Me", on_mcnamara_film(66.7, 4.1), on_mcnamara_film(74.6, 5.0), kMcNamara},
-    CephalometricNorm{"McNamara", "FH-MP", {22.7, 4.3}, {21.3, 3.9}, kMcNamara},
+    CephalometricNorm{"McNamara", "A-Nperp", on_mcnamara_film(0.4, 2.3), on_mcnamara_film(1.1, 2.7),
+                      kMcNamaraUnverified},
+    CephalometricNorm{"McNamara", "Pg-Nperp", on_mcnamara_film(-1.8, 4.5),
+                      on_mcnamara_film(-0.3, 3.8), kMcNamaraUnverified},
+    CephalometricNorm{"McNamara", "Co-A", on_mcnamara_film(91.0, 4.3), on_mcnamara_film(99.8, 6.0),
+                      kMcNamara},
+    CephalometricNorm{"McNamara", "Co-Gn", on_mcnamara_film(120.2, 5.3),
+                      on_mcnamara_film(134.3, 6.8), kMcNamara},
+    CephalometricNorm{"McNamara", "ANS-Me", on_mcnamara_film(66.7, 4.1),
+                      on_mcnamara_film(74.6, 5.0), kMcNamara},
+    CephalometricNorm{"McNamara", "FH-MP", {22.7, 4.3}, {21.3, 3.9}, kMcNamaraUnverified},
     CephalometricNorm{"Ricketts", "FH-NPg", kDepth, kDepth, kRicketts},
     CephalometricNorm{"Ricketts", "A-NPg", kApoint, kApoint, kRicketts},
     CephalometricNorm{"Ricketts", "FH-MP", kAngle, kAngle, kRicketts},
@@ -51,8 +54,6 @@ constexpr std::array kNorms{
     CephalometricNorm{"Arnett", "Pg'-TVL", {-2.6, 1.9}, {-3.5, 1.8}, kArnett},
     CephalometricNorm{"Arnett", "N'-Me'", {124.6, 4.7}, {137.7, 6.5}, kArnett},
     CephalometricNorm{"Arnett", "Sn-Me'", {71.1, 3.5}, {81.1, 4.7}, kArnett},
-    CephalometricNorm{"Arnett", "overjet", {3.2, 0.4}, {3.2, 0.6}, kArnett},
-    CephalometricNorm{"Arnett", "overbite", {3.2, 0.7}, {3.2, 0.7}, kArnett},
 };
 
 }  // namespace

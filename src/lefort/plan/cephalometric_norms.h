@@ -28,7 +28,8 @@ struct CephalometricNorm {
 ///
 /// Lengths of McNamara are divided by 1.08, the enlargement of his films. Those of Ricketts are his
 /// values of 1981 at the age of 18. Norms of Steiner have no deviation. The figures of Arnett and
-/// McNamara (A-Nperp, Pg-Nperp, FH-MP) were not compared with the printed papers.
+/// McNamara (A-Nperp, Pg-Nperp, FH-MP) are from memory: their sources say "not verified". Downs and
+/// Ricketts measure the mandibular plane at the tangent of the lower border, not at Go-Me.
 [[nodiscard]] std::span<const CephalometricNorm> cephalometric_norms();
 
 /// How far a value lies from its norm, in standard deviations; nothing without a deviation.

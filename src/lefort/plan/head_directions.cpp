@@ -10,10 +10,16 @@ Result<HeadDirections> head_directions(std::span<const Landmark> landmarks) {
   HeadDirections head;
   LEFORT_TRY(head.left_L, patient_left_axis(landmarks));
   const auto orbitale_L = pair_midpoint(landmarks, "Or"), porion_L = pair_midpoint(landmarks, "Po");
-  head.has_frankfurt_horizontal = orbitale_L && porion_L && (*orbitale_L - *porion_L).norm() > 1.0;
+  head.has_frankfurt_horizontal = orbitale_L && porion_L;
   Vec3 anterior_L = head.has_frankfurt_horizontal ? Vec3(*orbitale_L - *porion_L)
                                                   : Vec3(head.left_L.cross(Vec3::UnitZ()));
   anterior_L -= head.left_L.dot(anterior_L) * head.left_L;
+  constexpr double kMinLength_mm = 20.0, kMinCosine = 0.5;
+  if (head.has_frankfurt_horizontal &&
+      (anterior_L.norm() < kMinLength_mm || -anterior_L.y() < kMinCosine * anterior_L.norm()))
+    return fail(ErrorCode::kPlanInvalid,
+                "orbitale (Or) is not anterior to porion (Po): the landmarks are exchanged, or on "
+                "each other");
   head.anterior_L = anterior_L.normalized();
   head.superior_L = head.anterior_L.cross(head.left_L);
   return head;

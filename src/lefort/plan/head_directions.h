@@ -22,7 +22,9 @@ struct HeadDirections {
 /// or else that of the scan.
 ///
 /// \param landmarks  of one head; may be empty.
-/// \returns the directions, or the error of patient_left_axis().
+/// \returns the directions; or the error of patient_left_axis(); or kPlanInvalid if orbitale and
+///   porion are less than 20 mm from each other in the lateral view, or the direction to orbitale
+///   differs by more than 60 degrees from anterior in the scan: they may be exchanged.
 [[nodiscard]] Result<HeadDirections> head_directions(std::span<const Landmark> landmarks);
 
 /// A rigid motion as surgeons describe it.

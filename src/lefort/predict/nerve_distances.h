@@ -21,8 +21,10 @@ struct NerveTube {
 struct NerveDistance {
   std::string segment;  ///< Of the osteotomy.
   std::string nerve;
-  double distance_mm;  ///< From the cut face of the segment to the wall; 0 where it is cut.
-  Vec3 nerve_L;        ///< The point of the center line.
+  /// From the cut face of the segment to the wall of the canal, minus the kerf, which the saw takes
+  /// from the bone beside the segment; 0 where the canal is cut.
+  double distance_mm;
+  Vec3 nerve_L;  ///< The point of the center line.
 };
 
 /// \param cut        result of cut_segments().

@@ -90,9 +90,8 @@ std::string describe(const RootDistance& found, double limit_mm) {
   return fmt::format(
       "the cut of '{}' passes {:.1f} mm from {}, at ({:.0f}, {:.0f}, {:.0f}); the limit is "
       "{:g} mm",
-      found.segment, found.distance_mm,
-      name_of_tooth(found), found.tooth_L.x(),
-      found.tooth_L.y(), found.tooth_L.z(), limit_mm);
+      found.segment, found.distance_mm, name_of_tooth(found), found.tooth_L.x(), found.tooth_L.y(),
+      found.tooth_L.z(), limit_mm);
 }
 
 }  // namespace lefort::predict

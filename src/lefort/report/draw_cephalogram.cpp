@@ -62,7 +62,8 @@ Result<Picture> draw_cephalogram(const CephalogramDrawing& drawing) {
       std::size_t(std::max(drawing.columns, 0)) * std::size_t(std::max(drawing.rows, 0));
   if (pixels == 0 || !(drawing.pixel_mm > 0.0) ||
       (!drawing.water_mm.empty() && drawing.water_mm.size() != pixels))
-    return fail(ErrorCode::kInvalidArgument, "the cephalogram has no pixels, or not one value each");
+    return fail(ErrorCode::kInvalidArgument,
+                "the cephalogram has no pixels, or not one value each");
   const double em = letter_px(drawing.columns);
   const int top = int(std::ceil(3.0 * em));
   const double rows_px = 1.5 * em * std::ceil(double(drawing.tracings.size()) / 3.0);

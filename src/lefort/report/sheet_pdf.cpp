@@ -128,6 +128,7 @@ class Pages {
 };
 
 void write_wrapped(Pages& pages, const std::string& text) {
+  constexpr std::size_t kMaxWord = 70;  // Bytes; longer words are divided.
   std::string line;
   const auto flush = [&] {
     pages.keep(kLine_pt);
@@ -137,7 +138,7 @@ void write_wrapped(Pages& pages, const std::string& text) {
   };
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
+    const std::string word = text.substr(at, std::min(end - at, kMaxWord));
     const std::string longer = line.empty() ? word : line + " " + word;
     if (!line.empty() && pages.width_of(longer, kText_pt, false) > kColumn_pt) {
       flush();
@@ -145,9 +146,15 @@ void write_wrapped(Pages& pages, const std::string& text) {
     } else {
       line = longer;
     }
-    at = end + 1;
+    at += word.size() < end - at ? word.size() : end - at + 1;
   }
   flush();
+}
+
+/// The size at which a title fits into one line.
+double title_size(Pages& pages, const std::string& title) {
+  const double width_pt = pages.width_of(title, kTitle_pt, true);
+  return width_pt > kColumn_pt ? kTitle_pt * kColumn_pt / width_pt : kTitle_pt;
 }
 
 Result<void> write_pictures(Pages& pages, const Sheet& sheet) {
@@ -160,18 +167,22 @@ Result<void> write_pictures(Pages& pages, const Sheet& sheet) {
     double height_pt = 0.0;
     for (std::size_t n = first; n < end; ++n) {
       LEFORT_TRY(Surface picture, decoded(sheet.pictures[n].png));
-      height_pt = std::max(height_pt,
-                           width_pt * double(cairo_image_surface_get_height(picture.get())) /
-                               double(cairo_image_surface_get_width(picture.get())));
+      height_pt =
+          std::max(height_pt, width_pt * double(cairo_image_surface_get_height(picture.get())) /
+                                  double(cairo_image_surface_get_width(picture.get())));
       row.push_back(std::move(picture));
     }
+    // A row that is taller than the page is made smaller.
+    constexpr double kMaxHeight_pt = kHeight_pt - 2.0 * kMargin_pt - 5.0 * kLine_pt;
+    const double shrink = std::min(1.0, kMaxHeight_pt / std::max(height_pt, 1.0));
+    height_pt *= shrink;
     pages.keep(height_pt + 2.0 * kLine_pt);
     for (std::size_t n = first; n < end; ++n)
       pages.write(kMargin_pt + double(n - first) * (width_pt + kGap_pt), sheet.pictures[n].title,
                   kText_pt);
     pages.advance(0.5 * kLine_pt);
     for (std::size_t n = 0; n < row.size(); ++n)
-      pages.place(row[n].get(), kMargin_pt + double(n) * (width_pt + kGap_pt), width_pt);
+      pages.place(row[n].get(), kMargin_pt + double(n) * (width_pt + kGap_pt), shrink * width_pt);
     pages.advance(height_pt + 1.5 * kLine_pt);
   }
   return {};
@@ -232,7 +243,7 @@ Result<std::string> sheet_pdf(const Sheet& sheet) {
     return fail(ErrorCode::kInvalidArgument, "a row of a sheet has 1 to 4 pictures");
   std::string pdf;
   Pages pages(pdf);
-  pages.write(kMargin_pt, sheet.title, kTitle_pt, true);
+  pages.write(kMargin_pt, sheet.title, title_size(pages, sheet.title), true);
   pages.advance(1.5 * kLine_pt);
   for (const std::string& line : sheet.lines) write_wrapped(pages, line);
   pages.advance(0.7 * kLine_pt);

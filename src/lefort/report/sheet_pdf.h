@@ -13,7 +13,7 @@ namespace lefort::report {
 /// What is printed, in this order.
 struct Sheet {
   std::string title{};
-  std::vector<std::string> lines{};  ///< Below the title; long ones are wrapped.
+  std::vector<std::string> lines{};       ///< Below the title; long ones are wrapped.
   std::vector<ReportPicture> pictures{};  ///< In rows of `pictures_per_row`.
   int pictures_per_row = 2;               ///< 1 to 4.
   std::vector<ReportTable> tables{};      ///< A long one continues on the next page.

@@ -13,16 +13,16 @@ void add_head_files(CLI::App& command, pipeline::CephalogramJob& job) {
   mark_path(command.add_option("ct", job.ct, "The CT: anything `lefort import` reads"),
             PathKind::kScan)
       ->required();
-  mark_path(command.add_option(
-                "--labels", job.labels,
-                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
-            PathKind::kLabels);
+  mark_path(
+      command.add_option("--labels", job.labels,
+                         "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
+      PathKind::kLabels);
   mark_path(command.add_option("--landmarks", job.landmarks,
                                "Landmarks; those that are missing are found"),
             PathKind::kLandmarks);
-  mark_path(command.add_option("--check", job.check,
-                               "Folder of `lefort plan check`: bone after surgery"),
-            PathKind::kFolder);
+  mark_path(
+      command.add_option("--check", job.check, "Folder of `lefort plan check`: bone after surgery"),
+      PathKind::kFolder);
   mark_path(command.add_option("--prediction", job.prediction,
                                "Folder of `lefort predict`: skin after surgery"),
             PathKind::kFolder);
@@ -35,7 +35,8 @@ void add_cephalogram_command(CLI::App& cli, CommandContext& context) {
   const auto source_mm = std::make_shared<double>(*job->source_mm);
   const auto is_parallel = std::make_shared<bool>(false);
   CLI::App* const command = cli.add_subcommand(
-      "cephalogram", "Lateral and frontal cephalogram of a CT, tracing, norms, as pictures and PDF");
+      "cephalogram",
+      "Lateral and frontal cephalogram of a CT, tracing, norms, as pictures and PDF");
   add_head_files(*command, *job);
   const std::map<std::string, plan::Sex> sexes{{"female", plan::Sex::kFemale},
                                                {"male", plan::Sex::kMale}};

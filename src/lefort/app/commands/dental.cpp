@@ -61,9 +61,8 @@ void add_teeth(CLI::App& dental, CommandContext& context) {
       "  lefort dental teeth ct.nrrd -o teeth/\n"
       "Guide: docs/guide/dental.md. Not for clinical use.");
   command->callback([job, &context] {
-    context.run("dental", [&](Progress& progress) {
-      return pipeline::number_teeth_of_scan(*job, progress);
-    });
+    context.run("dental",
+                [&](Progress& progress) { return pipeline::number_teeth_of_scan(*job, progress); });
   });
 }
 

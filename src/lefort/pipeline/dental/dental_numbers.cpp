@@ -9,8 +9,8 @@ std::optional<dental::NumberedTeeth> dental_numbers(const anatomy::ToothMap& tee
   if (!directions) return std::nullopt;
   for (const char* const name : {"N", "ANS", "A"})
     if (const auto midline_L = plan::find_landmark(landmarks, name))
-      return dental::number_teeth(teeth, {directions->left_L, directions->anterior_L,
-                                          directions->superior_L, *midline_L});
+      return dental::number_teeth(
+          teeth, {directions->left_L, directions->anterior_L, directions->superior_L, *midline_L});
   return std::nullopt;
 }
 

@@ -11,8 +11,8 @@
 
 namespace lefort::pipeline {
 
-/// \returns the numbered teeth; nothing without a landmark of the mid-sagittal plane (N, ANS, A), or
-///   if the directions of the head are not known.
+/// \returns the numbered teeth; nothing without a landmark of the mid-sagittal plane (N, ANS, A),
+///   or if the directions of the head are not known.
 [[nodiscard]] std::optional<dental::NumberedTeeth> dental_numbers(
     const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks);
 

@@ -1,5 +1,6 @@
 #include <lefort/anatomy/find_teeth.h>
 #include <lefort/core/version.h>
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/segmentation_file.h>
@@ -34,10 +35,10 @@ std::string teeth_csv(const std::vector<dental::NumberedTooth>& teeth) {
       "fdi,crown_x_mm,crown_y_mm,crown_z_mm,apex_x_mm,apex_y_mm,apex_z_mm,length_mm,width_mm,"
       "volume_mm3\n";
   for (const dental::NumberedTooth& one : teeth)
-    text += fmt::format("{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f}\n",
-                        one.fdi, one.crown_L.x(), one.crown_L.y(), one.crown_L.z(), one.apex_L.x(),
-                        one.apex_L.y(), one.apex_L.z(), one.length_mm, one.width_mm,
-                        one.volume_mm3);
+    text +=
+        fmt::format("{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{:.1f},{:.0f}\n", one.fdi,
+                    one.crown_L.x(), one.crown_L.y(), one.crown_L.z(), one.apex_L.x(),
+                    one.apex_L.y(), one.apex_L.z(), one.length_mm, one.width_mm, one.volume_mm3);
   return text;
 }
 
@@ -73,24 +74,26 @@ plan::Landmarks points_of(const std::vector<dental::NumberedTooth>& teeth) {
 }  // namespace
 
 Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
-  const std::array<std::string, 3> needed{"N", "Or", "Po"};
+  const std::array<std::string, 5> needed{"N", "Or-R", "Or-L", "Po-R", "Po-L"};
+  const std::array<std::filesystem::path, 1> written{job.output / "teeth.mrk.json"};
+  if (job.landmarks) LEFORT_TRY_VOID(io::check_inputs_are_distinct({&*job.landmarks, 1}, written));
   LEFORT_TRY(const OrientedHead head,
              oriented_head({job.ct, job.labels, job.landmarks}, needed, progress));
   progress.begin_stage("number the teeth");
-  const anatomy::ToothMap teeth = anatomy::find_teeth(head.scanned.scan.ct, head.scanned.labels,
-                                                      head.scanned.levels.bone_hu);
+  const anatomy::ToothMap teeth =
+      anatomy::find_teeth(head.scanned.scan.ct, head.scanned.labels, head.scanned.levels.bone_hu);
   const auto found = dental_numbers(teeth, head.landmarks);
   if (!found)
     return fail(ErrorCode::kAnatomyMissing,
                 "no landmark of the mid-sagittal plane (N, ANS, A): give one in a file "
                 "(--landmarks)");
   if (found->teeth.empty())
-    return fail(ErrorCode::kAnatomyMissing,
-                "no teeth are found: both jaws must be in the scan and in the labels, and the teeth "
-                "must show enamel");
+    return fail(
+        ErrorCode::kAnatomyMissing,
+        "no teeth are found: both jaws must be in the scan and in the labels, and the teeth "
+        "must show enamel");
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  LEFORT_TRY_VOID(
-      io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found->numbers));
+  LEFORT_TRY_VOID(io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found->numbers));
   LEFORT_TRY_VOID(io::write_landmarks(job.output / "teeth.mrk.json", points_of(found->teeth)));
   LEFORT_TRY_VOID(io::write_text(job.output / "teeth.csv", teeth_csv(found->teeth)));
   Summary summary = summary_of(*found, job.output);

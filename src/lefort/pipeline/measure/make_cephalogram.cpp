@@ -2,6 +2,7 @@
 #include <lefort/image/radiograph.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
+#include <lefort/io/plan_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/cephalogram.h>
 #include <lefort/pipeline/measure/head_tracing.h>
@@ -123,13 +124,13 @@ report::CephalogramDrawing frontal_drawing(const image::CtVolume& ct, const Orie
   rays.rows = lateral.rows;
   rays.source_mm = job.source_mm;
   report::CephalogramDrawing drawing = drawing_of(ct, rays);
-  drawing.caption = "Frontal cephalogram, the patient's right on the left";
+  drawing.caption = "Frontal cephalogram (anteroposterior), the patient's right on the left";
   drawing.scale_note = scale_note(job.source_mm, "coronal middle");
   return drawing;
 }
 
-void add_points(const plan::Landmarks& landmarks, const LateralView& view,
-                const report::Rgb& color, bool has_names, report::CephalogramDrawing& drawing) {
+void add_points(const plan::Landmarks& landmarks, const LateralView& view, const report::Rgb& color,
+                bool has_names, report::CephalogramDrawing& drawing) {
   std::vector<std::string> done;
   for (const plan::Landmark& one : landmarks) {
     const plan::LandmarkKind* const kind = plan::landmark_definition(one.name);
@@ -167,27 +168,49 @@ report::ReportTable norms_table(const std::vector<plan::Measurement>& before,
     const plan::NormValue& expected = sex == plan::Sex::kFemale ? norm.female : norm.male;
     const auto [value, deviation] = cells(norm, before, row);
     const auto [value_after, deviation_after] = cells(norm, after, row);
-    table.rows.push_back(
-        {norm.analysis, norm.measurement, at->unit,
-         expected.deviation ? fmt::format("{:.1f} +- {:.1f}", expected.mean, *expected.deviation)
-                            : fmt::format("{:.1f}", expected.mean),
-         value, deviation, value_after, deviation_after, norm.source});
+    table.rows.push_back({norm.analysis, norm.measurement, at->unit,
+                          expected.deviation
+                              ? fmt::format("{:.1f} +- {:.1f}", expected.mean, *expected.deviation)
+                              : fmt::format("{:.1f}", expected.mean),
+                          value, deviation, value_after, deviation_after, norm.source});
   }
   return table;
 }
 
 report::ReportTable measurements_table(const std::vector<plan::Measurement>& before,
                                        const std::vector<plan::Measurement>& after) {
-  report::ReportTable table{"All measurements", {"measurement", "unit", "before", "after", "meaning"}};
+  report::ReportTable table{"All measurements",
+                            {"measurement", "unit", "before", "after", "meaning"}};
   const auto cell = [](const std::vector<plan::Measurement>& values, std::size_t row) {
     return values.empty() || !values[row].value ? std::string()
                                                 : fmt::format("{:.1f}", *values[row].value);
   };
   for (std::size_t row = 0; row < before.size(); ++row)
     if (before[row].value)
-      table.rows.push_back({before[row].name, before[row].unit, cell(before, row),
-                            cell(after, row), before[row].meaning});
+      table.rows.push_back({before[row].name, before[row].unit, cell(before, row), cell(after, row),
+                            before[row].meaning});
   return table;
+}
+
+/// Landmarks that no search finds: with this name in the list, all others are searched.
+constexpr const char* kNeverInFile = "";
+
+/// The head with the landmarks of the plan, if results of the plan are given, so that landmarks
+/// before and after surgery are the same points.
+Result<OrientedHead> head_before(const CephalogramJob& job, Progress& progress) {
+  const std::array<std::string, 1> needed{kNeverInFile};
+  if (job.check && !job.landmarks && !job.prediction)
+    return fail(ErrorCode::kInvalidArgument,
+                "with --check give the landmarks of the plan, too (--landmarks): others would be "
+                "compared with them");
+  if (!job.prediction || job.landmarks)
+    return oriented_head({job.ct, job.labels, job.landmarks}, needed, progress);
+  LEFORT_TRY(const io::PlanFile plan, io::read_plan(*job.prediction / "plan.json"));
+  LEFORT_TRY(OrientedHead head, oriented_head({job.ct, job.labels, {}}, needed, progress));
+  if (plan.landmarks.empty()) return head;
+  head.landmarks = plan.landmarks;
+  LEFORT_TRY(head.directions, plan::head_directions(head.landmarks));
+  return head;
 }
 
 std::string csv_of(const report::ReportTable& table) {
@@ -195,8 +218,8 @@ std::string csv_of(const report::ReportTable& table) {
   const auto add = [&](const std::vector<std::string>& cells) {
     for (std::size_t c = 0; c < cells.size(); ++c) {
       const bool quote = cells[c].find(',') != std::string::npos;
-      text += fmt::format("{}{}{}{}", c > 0 ? "," : "", quote ? "\"" : "", cells[c],
-                          quote ? "\"" : "");
+      text +=
+          fmt::format("{}{}{}{}", c > 0 ? "," : "", quote ? "\"" : "", cells[c], quote ? "\"" : "");
     }
     text += "\n";
   };
@@ -210,15 +233,20 @@ struct Cephalogram {
   std::string lateral_png, frontal_png, tracing_png, pdf, measurements_csv, norms_csv;
 };
 
-report::Sheet sheet_of(const Cephalogram& made, const report::ReportTable& norms,
-                       const report::ReportTable& all) {
+report::Sheet sheet_of(const Cephalogram& made, const OrientedHead& head,
+                       const report::ReportTable& norms, const report::ReportTable& all) {
   report::Sheet sheet;
   sheet.title = "Cephalometric analysis";
   sheet.lines = {
       "Landmarks and projections were computed from a CT; check each landmark in the pictures. "
       "Deviations are in standard deviations of the norm. Norms are of Caucasian samples; lengths "
       "of McNamara are reduced to life size. The vertical is perpendicular to the Frankfurt "
-      "horizontal, not that of the natural head position."};
+      "horizontal, not that of the natural head position. Not verified: not compared with the "
+      "printed paper."};
+  sheet.lines.push_back(head.directions.has_frankfurt_horizontal
+                            ? "Vertical: perpendicular to the Frankfurt horizontal."
+                            : "The Frankfurt horizontal is not known: directions are of the scan.");
+  sheet.lines.push_back(fmt::format("CT: SHA-256 {}", head.scanned.ct_sha256.substr(0, 16)));
   sheet.pictures = {{"lateral, with tracing", "", made.tracing_png},
                     {"frontal", "", made.frontal_png}};
   sheet.tables = {norms, all};
@@ -251,10 +279,12 @@ Result<Cephalogram> draw_all(const OrientedHead& head, const HeadAfter& after,
 
 Result<void> write_all(const CephalogramJob& job, const Cephalogram& made, const Summary& summary) {
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  for (const auto& [name, text] :
-       {std::pair{"lateral.png", &made.lateral_png}, {"frontal.png", &made.frontal_png},
-        {"tracing.png", &made.tracing_png}, {"cephalometry.pdf", &made.pdf},
-        {"cephalometry.csv", &made.measurements_csv}, {"norms.csv", &made.norms_csv}})
+  for (const auto& [name, text] : {std::pair{"lateral.png", &made.lateral_png},
+                                   {"frontal.png", &made.frontal_png},
+                                   {"tracing.png", &made.tracing_png},
+                                   {"cephalometry.pdf", &made.pdf},
+                                   {"measurements.csv", &made.measurements_csv},
+                                   {"norms.csv", &made.norms_csv}})
     LEFORT_TRY_VOID(io::write_text(job.output / name, *text));
   return io::write_text(job.output / "cephalogram.json", summary.json.dump(1) + "\n");
 }
@@ -262,9 +292,7 @@ Result<void> write_all(const CephalogramJob& job, const Cephalogram& made, const
 }  // namespace
 
 Result<Summary> make_cephalogram(const CephalogramJob& job, Progress& progress) {
-  const std::array<std::string, 6> needed{"N", "Or", "Po", "ANS", "Me", "Sn"};
-  LEFORT_TRY(const OrientedHead head,
-             oriented_head({job.ct, job.labels, job.landmarks}, needed, progress));
+  LEFORT_TRY(const OrientedHead head, head_before(job, progress));
   LEFORT_TRY(const HeadAfter after, read_after(job, head.landmarks, progress));
   LEFORT_TRY(const auto before_table, plan::measure(head.landmarks));
   std::vector<plan::Measurement> after_table;
@@ -273,8 +301,8 @@ Result<Summary> make_cephalogram(const CephalogramJob& job, Progress& progress) 
   }
   LEFORT_TRY(Cephalogram made, draw_all(head, after, job, progress));
   const report::ReportTable norms = norms_table(before_table, after_table, job.sex);
-  LEFORT_TRY(made.pdf, report::sheet_pdf(sheet_of(
-                           made, norms, measurements_table(before_table, after_table))));
+  LEFORT_TRY(made.pdf, report::sheet_pdf(sheet_of(made, head, norms,
+                                                  measurements_table(before_table, after_table))));
   made.measurements_csv = io::cephalometric_csv(before_table, after_table);
   made.norms_csv = csv_of(norms);
   Summary summary;

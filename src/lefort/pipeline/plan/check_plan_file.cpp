@@ -22,6 +22,7 @@
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/plan/bones_of_landmarks.h>
 #include <lefort/plan/cephalometrics.h>
+#include <lefort/plan/head_directions.h>
 #include <lefort/predict/check_plan.h>
 #include <lefort/predict/root_distances.h>
 #include <lefort/report/plan_pictures.h>
@@ -101,6 +102,7 @@ struct Bones {
   std::optional<geometry::TriangleMesh> mandible_L{};
   anatomy::LabelMap labels{};                ///< Of a scan.
   std::optional<anatomy::ToothMap> teeth{};  ///< Of a scan with a labeled mandible.
+  std::string ct_sha256{};                   ///< Of a scan.
 };
 
 /// The skull before the osteotomies: a surface, or the bone of a scan.
@@ -114,6 +116,7 @@ Result<Bones> find_skull(const CheckPlanJob& job, const io::PlanFile& plan, Prog
   LEFORT_TRY(ScannedHead head,
              scan_head(plan, ct, StageCache(job.cache.value_or(job.output / "cache")), progress));
   Bones bones{std::move(head.skull_L), std::move(head.mandible_L)};
+  bones.ct_sha256 = head.ct_sha256;
   if (!has_mandible(head.labels)) return bones;
   progress.begin_stage("find teeth");
   bones.teeth = anatomy::find_teeth(head.scan.ct, head.labels, head.levels.bone_hu);
@@ -263,20 +266,74 @@ Result<void> write_bones(const fs::path& folder, const plan::CutSegments& cut,
   return io::write_surface(folder / "remainder.vtp", cut.remainder_L);
 }
 
+/// Adds the cephalometric tables before and after the movement. \returns them as CSV.
+Result<std::string> add_cephalometry(const plan::Landmarks& before, const MovedLandmarks& after,
+                                     nlohmann::json& result, std::string& text) {
+  if (before.empty()) return std::string();
+  LEFORT_TRY(const auto before_table, plan::measure(before));
+  LEFORT_TRY(const auto after_table, plan::measure(after.known, before));
+  result["cephalometry"] = cephalometric_json(before_table, after_table);
+  result["cephalometry_is"] = kAboutLandmarks;
+  result["landmarks_off_bone"] = after.off_bone;
+  text += fmt::format("\n  cephalometry, {}:", kAboutLandmarks);
+  text += cephalometric_text(before_table, after_table);
+  return io::cephalometric_csv(before_table, after_table);
+}
+
+Result<void> write_landmark_files(const fs::path& folder, const plan::Landmarks& after,
+                                  const std::string& table) {
+  LEFORT_TRY_VOID(io::write_landmarks(folder / "landmarks_after.mrk.json", after));
+  LEFORT_TRY_VOID(io::write_landmarks(folder / "landmarks_after.csv", after));
+  return io::write_text(folder / kTable, table);
+}
+
+Result<void> write_movements(const fs::path& folder, const WorksheetNotes& notes,
+                             std::span<const MovementOfSegment> movements,
+                             std::span<const predict::PlanFinding> findings,
+                             std::span<const report::PlanPicture> pictures) {
+  LEFORT_TRY_VOID(io::write_text(folder / kMovementTable, movements_csv(movements)));
+  LEFORT_TRY(const std::string pdf, worksheet_pdf(notes, movements, findings, pictures));
+  return io::write_text(folder / kWorksheet, pdf);
+}
+
+Result<void> write_pictures(const fs::path& folder, std::span<const report::PlanPicture> pictures) {
+  if (pictures.empty()) return {};
+  LEFORT_TRY_VOID(io::make_output_folder(folder / "pictures"));
+  for (const report::PlanPicture& picture : pictures)
+    LEFORT_TRY_VOID(io::write_text(folder / "pictures" / picture.file, picture.png));
+  return {};
+}
+
+/// The canals that cuts are compared with.
+Result<Nerves> nerves_of(const CheckPlanJob& job, Progress& progress) {
+  if (!job.nerve) return Nerves();
+  LEFORT_TRY(Nerves nerves, read_nerves(*job.nerve));
+  for (const std::string& note : nerves.notes) progress.note(note);
+  return nerves;
+}
+
+/// Whether the canals were found in the scan that is cut, as far as both are known.
+Result<void> check_same_scan(const Nerves& nerves, const Bones& bones) {
+  if (nerves.ct_sha256.empty() || bones.ct_sha256.empty() || nerves.ct_sha256 == bones.ct_sha256)
+    return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      "the canals of --nerve were found in another scan: run `lefort nerve` with the scan of "
+      "the plan");
+}
+
 }  // namespace
 
 Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText plan_text, read_plan(job, progress));
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
-  std::vector<predict::NerveTube> nerves;
-  if (job.nerve) {
-    LEFORT_TRY(nerves, read_nerves(*job.nerve));
-  }
+  LEFORT_TRY(const Nerves nerves, nerves_of(job, progress));
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
   LEFORT_TRY(const Bones before, find_skull(job, plan, progress));
+  LEFORT_TRY_VOID(check_same_scan(nerves, before));
 
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,
@@ -287,26 +344,19 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
   add_root_findings(before, cut, plan, job.limits.root_mm, check);
-  const nlohmann::json nerve = add_nerve_findings(nerves, cut, plan, job.limits.nerve_mm, check);
+  const nlohmann::json nerve =
+      add_nerve_findings(nerves.canals, cut, plan, job.limits.nerve_mm, check);
 
   nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
   if (job.nerve) result["nerve"] = nerve;
-  LEFORT_TRY(const auto movements, segment_movements(plan.landmarks, cut, plan.segments));
+  LEFORT_TRY(const plan::HeadDirections directions, plan::head_directions(plan.landmarks));
+  const auto movements = segment_movements(directions, plan.landmarks, cut, plan.segments);
   result["movements"] = movements_json(movements);
+  result["movements_along"] = directions.has_frankfurt_horizontal ? "Frankfurt horizontal" : "scan";
   LEFORT_TRY(result["inputs"], provenance(job, plan_text, before.skull_L));
   std::string text = in_words(check, cut);
-  std::string table;
   const MovedLandmarks after = move_landmarks(plan.landmarks, cut, plan.segments);
-  if (!plan.landmarks.empty()) {
-    LEFORT_TRY(const auto before_table, plan::measure(plan.landmarks));
-    LEFORT_TRY(const auto after_table, plan::measure(after.known, plan.landmarks));
-    result["cephalometry"] = cephalometric_json(before_table, after_table);
-    result["cephalometry_is"] = kAboutLandmarks;
-    result["landmarks_off_bone"] = after.off_bone;
-    text += fmt::format("\n  cephalometry, {}:", kAboutLandmarks);
-    text += cephalometric_text(before_table, after_table);
-    table = io::cephalometric_csv(before_table, after_table);
-  }
+  LEFORT_TRY(const std::string table, add_cephalometry(plan.landmarks, after, result, text));
   for (const std::string& name : after.off_bone)
     progress.note(
         fmt::format("landmark {} is not on bone; its position after surgery is unknown", name));
@@ -323,18 +373,13 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   // Written first: it lists the files that the next check may replace if this one is interrupted.
   LEFORT_TRY_VOID(io::write_text(job.output / "check.json", result.dump(2) + "\n"));
   LEFORT_TRY_VOID(write_bones(job.output, cut, plan.segments));
-  LEFORT_TRY_VOID(io::write_text(job.output / kMovementTable, movements_csv(movements)));
-  LEFORT_TRY(const std::string worksheet,
-             worksheet_pdf(plan.title, movements, check.findings, pictures));
-  LEFORT_TRY_VOID(io::write_text(job.output / kWorksheet, worksheet));
-  if (!plan.landmarks.empty()) {
-    LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.mrk.json", after.known));
-    LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.csv", after.known));
-    LEFORT_TRY_VOID(io::write_text(job.output / kTable, table));
-  }
-  if (!pictures.empty()) LEFORT_TRY_VOID(io::make_output_folder(job.output / "pictures"));
-  for (const report::PlanPicture& picture : pictures)
-    LEFORT_TRY_VOID(io::write_text(job.output / "pictures" / picture.file, picture.png));
+  if (!plan.landmarks.empty())
+    LEFORT_TRY_VOID(write_landmark_files(job.output, after.known, table));
+  LEFORT_TRY_VOID(write_movements(
+      job.output,
+      {plan.title, io::Sha256().add(plan_text.json).hex(), directions.has_frankfurt_horizontal},
+      movements, check.findings, pictures));
+  LEFORT_TRY_VOID(write_pictures(job.output, pictures));
   return PlanCheckSummary{{std::move(text), std::move(result)}, !check.findings.empty()};
 }
 

@@ -27,9 +27,28 @@ bool read_point(const nlohmann::json& json, Vec3& p_L) {
   return true;
 }
 
+/// One canal; a message if it is invalid.
+tl::expected<predict::NerveTube, std::string> read_canal(const nlohmann::json& canal,
+                                                         const char* side) {
+  if (!canal.is_object() || !canal.contains("points") || !canal["points"].is_array() ||
+      canal["points"].size() < 2 || !canal.contains("radius_mm") || !canal["radius_mm"].is_number())
+    return tl::unexpected(fmt::format("the {} canal has no points or no radius", side));
+  predict::NerveTube nerve{side, {}, canal["radius_mm"].get<double>()};
+  if (!(nerve.radius_mm >= 0.0 && nerve.radius_mm <= kMaxRadius_mm))
+    return tl::unexpected(
+        fmt::format("the radius of the {} canal must be 0 to {:g} mm", side, kMaxRadius_mm));
+  for (const auto& point : canal["points"]) {
+    Vec3 p_L;
+    if (!read_point(point, p_L))
+      return tl::unexpected(fmt::format("a point of the {} canal is not three numbers", side));
+    nerve.line_L.push_back(p_L);
+  }
+  return nerve;
+}
+
 }  // namespace
 
-Result<std::vector<predict::NerveTube>> read_nerves(const std::filesystem::path& file) {
+Result<Nerves> read_nerves(const std::filesystem::path& file) {
   LEFORT_TRY(const std::string text, io::read_text(file, kMaxNerveBytes));
   const auto corrupt = [&](const std::string& what) {
     return fail(ErrorCode::kFileCorrupt,
@@ -38,26 +57,25 @@ Result<std::vector<predict::NerveTube>> read_nerves(const std::filesystem::path&
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("lefort_nerve") || json["lefort_nerve"] != 1)
     return corrupt("not a nerve.json of version 1");
-  std::vector<predict::NerveTube> nerves;
+  Nerves nerves;
+  if (json.contains("ct_sha256") && json["ct_sha256"].is_string())
+    nerves.ct_sha256 = json["ct_sha256"].get<std::string>();
   for (const char* const side : {"right", "left"}) {
     const auto canal = json.find(side);
-    if (canal == json.end()) continue;
-    if (!canal->is_object() || !canal->contains("points") || !(*canal)["points"].is_array() ||
-        !canal->contains("radius_mm") || !(*canal)["radius_mm"].is_number())
-      return corrupt(fmt::format("the {} canal has no points or no radius", side));
-    predict::NerveTube nerve{side, {}, (*canal)["radius_mm"].get<double>()};
-    if (!(nerve.radius_mm >= 0.0 && nerve.radius_mm <= kMaxRadius_mm))
-      return corrupt(fmt::format("the radius of the {} canal must be 0 to {:g} mm", side,
-                                 kMaxRadius_mm));
-    for (const auto& point : (*canal)["points"]) {
-      Vec3 p_L;
-      if (!read_point(point, p_L))
-        return corrupt(fmt::format("a point of the {} canal is not three numbers", side));
-      nerve.line_L.push_back(p_L);
+    if (canal == json.end()) {
+      nerves.notes.push_back(fmt::format("{} has no {} canal", file.string(), side));
+      continue;
     }
-    nerves.push_back(std::move(nerve));
+    auto tube = read_canal(*canal, side);
+    if (!tube) return corrupt(tube.error());
+    nerves.canals.push_back(*std::move(tube));
+    constexpr double kVisible = 0.6;
+    if (canal->contains("visible_fraction") && (*canal)["visible_fraction"].is_number() &&
+        (*canal)["visible_fraction"].get<double>() < kVisible)
+      nerves.notes.push_back(
+          fmt::format("the {} canal is hardly visible: its distances are uncertain", side));
   }
-  if (nerves.empty()) return corrupt("it has no canal");
+  if (nerves.canals.empty()) return corrupt("it has no canal");
   return nerves;
 }
 

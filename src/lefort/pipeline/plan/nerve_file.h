@@ -6,15 +6,21 @@
 #include <lefort/predict/nerve_distances.h>
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace lefort::pipeline {
 
+struct Nerves {
+  std::vector<predict::NerveTube> canals;
+  std::string ct_sha256;           ///< Of the scan; empty if the file does not have it.
+  std::vector<std::string> notes;  ///< What the user must know: an absent or hardly visible canal.
+};
+
 /// Reads nerve.json.
 ///
-/// \returns the right and the left canal; or the errors of io::read_text(); or kFileCorrupt if the
-///   file is not of its format, or a number is not finite.
-[[nodiscard]] Result<std::vector<predict::NerveTube>> read_nerves(
-    const std::filesystem::path& file);
+/// \returns the canals; or the errors of io::read_text(); or kFileCorrupt if the file is not of its
+///   format, a canal has fewer than two points, or a number is not finite.
+[[nodiscard]] Result<Nerves> read_nerves(const std::filesystem::path& file);
 
 }  // namespace lefort::pipeline

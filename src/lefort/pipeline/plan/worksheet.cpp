@@ -21,7 +21,8 @@ std::string in_words(double value, const char* positive, const char* negative) {
 
 std::vector<std::string> movement_cells(const std::string& name, const plan::MovementTerms& terms) {
   return {name, in_words(terms.anterior_mm, "forward", "back"),
-          in_words(terms.superior_mm, "up", "down"), in_words(terms.left_mm, "to left", "to right")};
+          in_words(terms.superior_mm, "up", "down"),
+          in_words(terms.left_mm, "to left", "to right")};
 }
 
 nlohmann::json terms_json(const plan::MovementTerms& terms) {
@@ -59,10 +60,10 @@ report::ReportTable rotations_table(std::span<const MovementOfSegment> movements
 
 }  // namespace
 
-Result<std::vector<MovementOfSegment>> segment_movements(
-    const plan::Landmarks& landmarks, const plan::CutSegments& cut,
-    std::span<const plan::PlannedSegment> planned) {
-  LEFORT_TRY(const plan::HeadDirections directions, plan::head_directions(landmarks));
+std::vector<MovementOfSegment> segment_movements(const plan::HeadDirections& directions,
+                                                 const plan::Landmarks& landmarks,
+                                                 const plan::CutSegments& cut,
+                                                 std::span<const plan::PlannedSegment> planned) {
   const auto bones = plan::bones_of_landmarks(landmarks, cut);
   std::vector<MovementOfSegment> movements;
   for (std::size_t k = 0; k < planned.size(); ++k) {
@@ -88,8 +89,8 @@ nlohmann::json movements_json(std::span<const MovementOfSegment> movements) {
   for (const MovementOfSegment& one : movements) {
     nlohmann::json points = nlohmann::json::object();
     for (const auto& [name, terms] : one.landmarks) points[name] = terms_json(terms);
-    list.push_back({{"segment", one.segment}, {"center", terms_json(one.whole)},
-                    {"landmarks", points}});
+    list.push_back(
+        {{"segment", one.segment}, {"center", terms_json(one.whole)}, {"landmarks", points}});
   }
   return list;
 }
@@ -109,14 +110,20 @@ std::string movements_csv(std::span<const MovementOfSegment> movements) {
   return text;
 }
 
-Result<std::string> worksheet_pdf(const std::string& title,
+Result<std::string> worksheet_pdf(const WorksheetNotes& notes,
                                   std::span<const MovementOfSegment> movements,
                                   std::span<const predict::PlanFinding> findings,
                                   std::span<const report::PlanPicture> pictures) {
   report::Sheet sheet;
-  sheet.title = title.empty() ? std::string("Worksheet") : "Worksheet: " + title;
-  sheet.lines = {"Movements of the planned segments from their position in the CT. Left and right "
-                 "are the patient's. Rotations: yaw, then pitch, then roll."};
+  sheet.title = notes.title.empty() ? std::string("Worksheet") : "Worksheet: " + notes.title;
+  sheet.lines = {
+      "Movements of the planned segments from their position in the CT. Left and right "
+      "are the patient's. Rotations: yaw, then pitch, then roll."};
+  sheet.lines.push_back(notes.has_frankfurt_horizontal
+                            ? "Anterior is along the Frankfurt horizontal."
+                            : "The Frankfurt horizontal is not known: directions are of the scan.");
+  sheet.lines.push_back("Plan: SHA-256 " + notes.plan_sha256.substr(0, 16));
+  if (findings.empty()) sheet.lines.push_back("Check: no findings within the limits.");
   for (const predict::PlanFinding& finding : findings)
     sheet.lines.push_back("Check: " + finding.text);
   sheet.pictures_per_row = 4;

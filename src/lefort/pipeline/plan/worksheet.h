@@ -26,11 +26,18 @@ struct MovementOfSegment {
   std::vector<std::pair<std::string, plan::MovementTerms>> landmarks;
 };
 
-/// \returns the movement of each segment that moves, in the order of the plan; or the error of
-///   plan::head_directions().
-[[nodiscard]] Result<std::vector<MovementOfSegment>> segment_movements(
-    const plan::Landmarks& landmarks, const plan::CutSegments& cut,
-    std::span<const plan::PlannedSegment> planned);
+/// \param directions  of the head.
+/// \returns the movement of each segment that moves, in the order of the plan.
+[[nodiscard]] std::vector<MovementOfSegment> segment_movements(
+    const plan::HeadDirections& directions, const plan::Landmarks& landmarks,
+    const plan::CutSegments& cut, std::span<const plan::PlannedSegment> planned);
+
+/// What is printed beside the movements.
+struct WorksheetNotes {
+  std::string title;        ///< Of the plan.
+  std::string plan_sha256;  ///< Printed shortened, so that sheets of two plans differ.
+  bool has_frankfurt_horizontal = false;
+};
 
 [[nodiscard]] nlohmann::json movements_json(std::span<const MovementOfSegment> movements);
 
@@ -38,11 +45,12 @@ struct MovementOfSegment {
 /// landmark, or "center".
 [[nodiscard]] std::string movements_csv(std::span<const MovementOfSegment> movements);
 
-/// \param title     of the plan.
+/// \param notes     of the plan.
+/// \param movements of its segments.
 /// \param findings  of the check.
 /// \param pictures  of the plan; may be empty.
 /// \returns the bytes of a PDF, or the errors of report::sheet_pdf().
-[[nodiscard]] Result<std::string> worksheet_pdf(const std::string& title,
+[[nodiscard]] Result<std::string> worksheet_pdf(const WorksheetNotes& notes,
                                                 std::span<const MovementOfSegment> movements,
                                                 std::span<const predict::PlanFinding> findings,
                                                 std::span<const report::PlanPicture> pictures);
