@@ -22,8 +22,9 @@ constexpr double kSectionReach_mm = 45.0;
 constexpr double kMinAirway_ml = 0.1;
 
 Vec3 center_of(const image::Grid& grid, Index v) {
-  return grid.point_L({double(v % grid.size[0]), double(v / grid.size[0] % grid.size[1]),
-                       double(v / (grid.size[0] * grid.size[1]))});
+  const Index row = v / grid.size[0];
+  const Index i = v % grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
+  return grid.point_L({double(i), double(j), double(k)});
 }
 
 /// Extent of a voxel along a direction, at most.

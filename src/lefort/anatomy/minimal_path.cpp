@@ -167,8 +167,9 @@ std::vector<Vec3> minimal_path(const image::ScalarVolume& times, Index from) {
     return path_L;
   const auto& size = times.grid.size;
   for (Index v = from;;) {
-    path_L.push_back(times.grid.point_L(
-        {double(v % size[0]), double(v / size[0] % size[1]), double(v / (size[0] * size[1]))}));
+    const Index row = v / size[0];
+    const Index i = v % size[0], j = row % size[1], k = row / size[1];
+    path_L.push_back(times.grid.point_L({double(i), double(j), double(k)}));
     const Index next = steepest_neighbor(times, v);
     if (next == v) break;
     v = next;

@@ -30,8 +30,9 @@ constexpr double kForamenHeight_mm = 14.0;
 constexpr double kOutsideMandible_hu = -200.0;
 
 Vec3 voxel_center(const image::Grid& grid, Index v) {
-  return grid.point_L({double(v % grid.size[0]), double(v / grid.size[0] % grid.size[1]),
-                       double(v / (grid.size[0] * grid.size[1]))});
+  const Index row = v / grid.size[0];
+  const Index i = v % grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
+  return grid.point_L({double(i), double(j), double(k)});
 }
 
 /// One half of the mandible on a grid along the directions of the head.

@@ -12,6 +12,8 @@ constexpr int kPositions = 16;
 /// Mean mesiodistal crown widths [mm] from the central incisor to the third molar \cite nelson2010.
 constexpr std::array<double, 8> kUpperWidth_mm{8.5, 6.5, 7.5, 7.0, 7.0, 10.0, 9.0, 8.5};
 constexpr std::array<double, 8> kLowerWidth_mm{5.0, 5.5, 7.0, 7.0, 7.0, 11.0, 10.5, 10.0};
+/// A crown may be visible in part only: its width costs less than this (Geman & McClure 1987).
+constexpr double kMaxWidthCost = 7.0;
 constexpr double kWidth_mm = 1.5, kDistance_mm = 2.0, kMissingDistance_mm = 1.5, kMidline_mm = 3.0;
 /// Deviation of the middle of a jaw from the mid-sagittal plane.
 constexpr double kDeviation_mm = 4.0, kMaxDeviation_mm = 10.0, kDeviationStep_mm = 1.0;
@@ -48,7 +50,9 @@ double missing_between(int from, int to) {
 /// Cost of a part at a position.
 double cost_at(const ArchPart& part, int position, const Positions& positions) {
   const auto at = std::size_t(position);
-  return squared((part.width_mm - positions.width_mm[at]) / kWidth_mm) +
+  const double width = squared((part.width_mm - positions.width_mm[at]) / kWidth_mm);
+  const bool is_narrow = part.width_mm < positions.width_mm[at];
+  return (is_narrow ? width / (1.0 + width / kMaxWidthCost) : width) +
          squared((part.center_mm - positions.center_mm[at]) / kMidline_mm);
 }
 

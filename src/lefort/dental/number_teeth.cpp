@@ -33,9 +33,9 @@ struct Jaw {
 
   [[nodiscard]] Vec3 center(std::size_t v) const {
     const auto& size = mask.grid.size;
-    const auto at = Index(v);
-    return mask.grid.point_L(
-        {double(at % size[0]), double(at / size[0] % size[1]), double(at / (size[0] * size[1]))});
+    const Index row = Index(v) / size[0];
+    const Index i = Index(v) % size[0], j = row % size[1], k = row / size[1];
+    return mask.grid.point_L({double(i), double(j), double(k)});
   }
   /// Height towards the other jaw.
   [[nodiscard]] double height_mm(const Vec3& p_L) const {
@@ -155,6 +155,7 @@ Arch::Arch(const Jaw& jaw) : frame_(jaw.frame) {
   highest_mm_ = smoothed_values(highest_mm_, 2);
   collect(true);
   std::vector<double> radius_mm;
+  radius_mm.reserve(radii.size());
   for (auto& values : radii) radius_mm.push_back(median_or_nan(std::move(values)));
   fill_gaps(radius_mm);
   radius_mm = smoothed_values(radius_mm, 3);

@@ -41,18 +41,18 @@ struct NumberedTeeth {
 /// Separates and numbers the teeth.
 ///
 /// 1. Watershed of the distance to the surface (\cite beucher1993), from its maxima with a dynamic
-///    of 0.5 mm or more (\cite grimaud1992): adjacent crowns touch in a narrow area, a crown
-///    and its roots do not. Parts without a crown and parts below 60 mm3 join the neighbor with the largest
-///    common area; so do parts that lie side by side across the arch.
+///    of 0.5 mm or more (\cite grimaud1992): adjacent crowns touch in a narrow area, a crown and
+///    its roots do not. Parts without a crown and parts below 60 mm3 join the neighbor with the
+///    largest common area; so do parts that lie side by side across the arch.
 /// 2. Each part has a center and a width along the arch, a curve through the medians of its crowns
 ///    in sectors.
 /// 3. A part of 9 mm or more that gets no number in step 4 is divided where its crown is thinnest
 ///    between 30 and 70 % of its width.
 /// 4. Numbers minimize, by dynamic programming over parts and positions in order, the squared
-///    deviations of widths (1.5 mm), of distances between neighbors (2 mm, more across missing
-///    teeth), of positions from the middle of the jaw (3 mm), and of that middle from the
-///    mid-sagittal plane (4 mm, at most 10 mm), with costs of missing teeth and of parts that are
-///    no tooth. Means are the crown widths of \cite nelson2010.
+///    deviations of widths (1.5 mm; bounded for narrow parts), of distances between neighbors
+///    (2 mm, more across missing teeth), of positions from the middle of the jaw (3 mm), and of
+///    that middle from the mid-sagittal plane (4 mm, at most 10 mm), with costs of missing teeth
+///    and of parts that are no tooth. Means are the crown widths of \cite nelson2010.
 ///
 /// \param teeth  crowns and roots of both jaws.
 /// \param frame  of the head.

@@ -313,6 +313,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
 
 Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) {
   std::vector<WrittenSegment> segments;
+  segments.reserve(anatomy::kTissueStyles.size());
   for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
     segments.push_back({style.name, static_cast<int>(style.tissue), style.color});
   return write_labels(target, labels, segments);
@@ -320,6 +321,7 @@ Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) 
 
 Result<void> write_teeth(const fs::path& target, const anatomy::ToothMap& teeth) {
   std::vector<WrittenSegment> segments;
+  segments.reserve(anatomy::kToothStyles.size());
   for (const anatomy::ToothStyle& style : anatomy::kToothStyles)
     segments.push_back({style.name, static_cast<int>(style.tooth), style.color});
   return write_labels(target, teeth, segments);
@@ -346,6 +348,7 @@ Result<void> write_numbered_teeth(const fs::path& target,
 Result<void> write_boundary_labels(const fs::path& target,
                                    const predict::BoundaryLabelMap& painted) {
   std::vector<WrittenSegment> segments;
+  segments.reserve(predict::kBoundaryLabelStyles.size());
   for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
     segments.push_back({style.name, static_cast<int>(style.label), style.color});
   return write_labels(target, painted, segments);

@@ -116,6 +116,7 @@ SegmentSupport measure_support(const std::vector<Bone>& bones, std::size_t segme
   support.segment = bones[segment].name;
   const RigidTransform X_end = bones[segment].pose_at(1.0);
   std::vector<RigidTransform> X_BL;
+  X_BL.reserve(bones.size());
   for (const Bone& bone : bones) X_BL.push_back(bone.pose_at(1.0).inverse());
   double gap_volume_mm3 = 0.0;
   for (const auto& [point_B, area_mm2] : cut_samples(bones, segment)) {

@@ -46,7 +46,8 @@ void draw_legend(Canvas& canvas, const CephalogramDrawing& drawing, double left,
                  double width, double em) {
   const double column_px = width / 3.0;
   for (std::size_t n = 0; n < drawing.tracings.size(); ++n) {
-    const double x = left + column_px * double(n % 3), y = top + 1.5 * em * double(n / 3);
+    const std::size_t column = n % 3, row = n / 3;
+    const double x = left + column_px * double(column), y = top + 1.5 * em * double(row);
     const geometry::Segment2 line{{x, y}, {x + 2.0 * em, y}};
     canvas.strokes({&line, 1}, Eigen::Vector2d::Zero(), {x, y - em, 3.0 * em, 2.0 * em},
                    drawing.tracings[n].color, 0.18 * em);

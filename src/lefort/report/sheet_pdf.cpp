@@ -139,7 +139,9 @@ void write_wrapped(Pages& pages, const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
     const std::string word = text.substr(at, std::min(end - at, kMaxWord));
-    const std::string longer = line.empty() ? word : line + " " + word;
+    std::string longer = line;
+    if (!longer.empty()) longer += ' ';
+    longer += word;
     if (!line.empty() && pages.width_of(longer, kText_pt, false) > kColumn_pt) {
       flush();
       line = word;

@@ -50,10 +50,9 @@ PatientBox patient_box(const OrientedHead& head) {
   Box3 box;
   for (std::size_t v = 0; v < head.scanned.labels.values.size(); v += 3) {
     if (head.scanned.labels.values[v] == anatomy::Tissue::kBackground) continue;
-    const auto at = Index(v);
-    box.extend(Vec3(R.transpose() * grid.point_L({double(at % grid.size[0]),
-                                                  double(at / grid.size[0] % grid.size[1]),
-                                                  double(at / (grid.size[0] * grid.size[1]))})));
+    const Index row = Index(v) / grid.size[0];
+    const Index i = Index(v) % grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
+    box.extend(Vec3(R.transpose() * grid.point_L({double(i), double(j), double(k)})));
   }
   if (box.isEmpty()) box.extend(Vec3::Zero());
   Vec3 center = box.center();

@@ -58,6 +58,7 @@ Result<std::vector<Vec3>> points_on_canal(std::span<const plan::Landmark> landma
     numbered[number] = one.point_L;
   }
   std::vector<Vec3> points_L;
+  points_L.reserve(numbered.size());
   for (const auto& [number, point_L] : numbered) points_L.push_back(point_L);
   return points_L;
 }
