@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 namespace lefort::pipeline {
@@ -29,6 +31,16 @@ nlohmann::json terms_json(const plan::MovementTerms& terms) {
   return {{"anterior_mm", terms.anterior_mm}, {"left_mm", terms.left_mm},
           {"superior_mm", terms.superior_mm}, {"yaw_deg", terms.yaw_deg},
           {"pitch_deg", terms.pitch_deg},     {"roll_deg", terms.roll_deg}};
+}
+
+/// "right profile" of plan_after_right_profile.png.
+std::string view_of(const std::string& file) {
+  constexpr std::string_view kBefore = "plan_after_", kAfter = ".png";
+  std::string view = file;
+  if (view.starts_with(kBefore)) view.erase(0, kBefore.size());
+  if (view.ends_with(kAfter)) view.resize(view.size() - kAfter.size());
+  std::replace(view.begin(), view.end(), '_', ' ');
+  return view;
 }
 
 Vec3 center_of_surface(const geometry::TriangleMesh& mesh) {
@@ -129,7 +141,7 @@ Result<std::string> worksheet_pdf(const WorksheetNotes& notes,
   sheet.pictures_per_row = 4;
   for (const report::PlanPicture& picture : pictures)
     if (picture.file.find("after") != std::string::npos)
-      sheet.pictures.push_back({picture.file, "", picture.png});
+      sheet.pictures.push_back({view_of(picture.file), "", picture.png});
   sheet.tables.push_back(rotations_table(movements));
   for (const MovementOfSegment& one : movements) {
     if (one.landmarks.empty()) continue;
