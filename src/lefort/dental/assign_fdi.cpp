@@ -75,8 +75,7 @@ struct Assignment {
 Assignment assign_without_deviation(std::span<const ArchPart> parts, anatomy::Tooth jaw) {
   const Positions positions(jaw);
   const std::size_t count = parts.size();
-  // best[n][k]: parts up to n, part n at position k; from[n][k]: the part before (or none) and its
-  // position.
+  // best[n][k]: the parts up to n, with part n at position k; part and position before it, or -1.
   struct State {
     double cost = std::numeric_limits<double>::infinity();
     std::ptrdiff_t part = -1;

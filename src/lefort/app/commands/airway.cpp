@@ -10,16 +10,7 @@ void add_airway_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::AirwayJob>();
   CLI::App* const command = cli.add_subcommand(
       "airway", "Measure volume and cross-sections of the pharyngeal airway in a CT");
-  mark_path(command->add_option("ct", job->ct, "The CT: anything `lefort import` reads"),
-            PathKind::kScan)
-      ->required();
-  mark_path(command->add_option(
-                "--labels", job->labels,
-                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
-            PathKind::kLabels);
-  mark_path(command->add_option("--landmarks", job->landmarks,
-                                "Landmarks; those that are missing are found"),
-            PathKind::kLandmarks);
+  add_head_files(*command, job->ct, job->labels, job->landmarks);
   command
       ->add_option("--upper", job->upper,
                    "Landmark or x,y,z [mm, LPS] on the upper plane, parallel to the Frankfurt "

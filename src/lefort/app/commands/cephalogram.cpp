@@ -9,17 +9,7 @@
 namespace lefort::app {
 namespace {
 
-void add_head_files(CLI::App& command, pipeline::CephalogramJob& job) {
-  mark_path(command.add_option("ct", job.ct, "The CT: anything `lefort import` reads"),
-            PathKind::kScan)
-      ->required();
-  mark_path(
-      command.add_option("--labels", job.labels,
-                         "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
-      PathKind::kLabels);
-  mark_path(command.add_option("--landmarks", job.landmarks,
-                               "Landmarks; those that are missing are found"),
-            PathKind::kLandmarks);
+void add_results_of_plan(CLI::App& command, pipeline::CephalogramJob& job) {
   mark_path(
       command.add_option("--check", job.check, "Folder of `lefort plan check`: bone after surgery"),
       PathKind::kFolder);
@@ -37,7 +27,8 @@ void add_cephalogram_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const command = cli.add_subcommand(
       "cephalogram",
       "Lateral and frontal cephalogram of a CT, tracing, norms, as pictures and PDF");
-  add_head_files(*command, *job);
+  add_head_files(*command, job->ct, job->labels, job->landmarks);
+  add_results_of_plan(*command, *job);
   const std::map<std::string, plan::Sex> sexes{{"female", plan::Sex::kFemale},
                                                {"male", plan::Sex::kMale}};
   command->add_option("--norms", job->sex, "Norms of women or men: female, male")

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/path_kind.h>
 #include <lefort/app/commands/profile.h>
 #include <lefort/app/commands/slicer_progress.h>
 #include <lefort/app/commands/terminal_progress.h>
@@ -45,6 +46,19 @@ void CommandContext::run(const std::string& command,
   } else {
     fmt::print("{}\n", printable(summary->text, LineBreaks::kKept));
   }
+}
+
+void add_head_files(CLI::App& command, std::filesystem::path& ct,
+                    std::optional<std::filesystem::path>& labels,
+                    std::optional<std::filesystem::path>& landmarks,
+                    const std::string& landmarks_are) {
+  mark_path(command.add_option("ct", ct, "The CT: anything `lefort import` reads"), PathKind::kScan)
+      ->required();
+  mark_path(
+      command.add_option("--labels", labels,
+                         "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
+      PathKind::kLabels);
+  mark_path(command.add_option("--landmarks", landmarks, landmarks_are), PathKind::kLandmarks);
 }
 
 }  // namespace lefort::app

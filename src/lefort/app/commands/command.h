@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace lefort::app {
@@ -31,6 +32,14 @@ struct CommandContext {
   void run(const std::string& command,
            const std::function<Result<pipeline::Summary>(Progress&)>& work);
 };
+
+/// Adds a CT, its labels and its landmarks: the arguments of commands that measure a head.
+///
+/// \param landmarks_are  help text of --landmarks.
+void add_head_files(
+    CLI::App& command, std::filesystem::path& ct, std::optional<std::filesystem::path>& labels,
+    std::optional<std::filesystem::path>& landmarks,
+    const std::string& landmarks_are = "Landmarks; those that are missing are found");
 
 void add_import_command(CLI::App& cli, CommandContext& context);
 void add_phantom_command(CLI::App& cli, CommandContext& context);

@@ -42,16 +42,7 @@ void add_teeth(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::TeethJob>();
   CLI::App* const command =
       dental.add_subcommand("teeth", "Separate the teeth in a CT and number them (FDI)");
-  mark_path(command->add_option("ct", job->ct, "The CT: anything `lefort import` reads"),
-            PathKind::kScan)
-      ->required();
-  mark_path(command->add_option(
-                "--labels", job->labels,
-                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
-            PathKind::kLabels);
-  mark_path(command->add_option("--landmarks", job->landmarks,
-                                "Landmarks; those that are missing are found"),
-            PathKind::kLandmarks);
+  add_head_files(*command, job->ct, job->labels, job->landmarks);
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the numbered teeth, their axes and teeth.json"),
             PathKind::kNewFolder)

@@ -10,17 +10,9 @@ void add_nerve_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::NerveJob>();
   CLI::App* const command =
       cli.add_subcommand("nerve", "Find the canals of the inferior alveolar nerves in a CT");
-  mark_path(command->add_option("ct", job->ct, "The CT: anything `lefort import` reads"),
-            PathKind::kScan)
-      ->required();
-  mark_path(command->add_option(
-                "--labels", job->labels,
-                "Segmentation of the CT, .seg.nrrd; segmented automatically unless given"),
-            PathKind::kLabels);
-  mark_path(command->add_option("--landmarks", job->landmarks,
-                                "Landmarks; corrected foramina and points on a canal (MdF-R, "
-                                "IAN-R-1, MeF-R, ...)"),
-            PathKind::kLandmarks);
+  add_head_files(
+      *command, job->ct, job->labels, job->landmarks,
+      "Landmarks; corrected foramina and points on a canal (MdF-R, IAN-R-1, MeF-R, ...)");
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the canals, nerve.mrk.json and nerve.json"),
             PathKind::kNewFolder)
