@@ -37,7 +37,7 @@ TEST(Splint, fits_both_arches) {
   // insertion than along the normal.
   EXPECT_GT(splint->min_thickness_mm, 1.5);
   EXPECT_LT(splint->min_thickness_mm, kOpen_mm - 2.0 * 0.1 + 0.05);
-  for (const SplintFit& fit : {splint->upper, splint->lower}) {
+  for (const InsertionFit& fit : {splint->upper, splint->lower}) {
     EXPECT_GT(fit.p5_mm, 0.05);
     EXPECT_GT(fit.median_mm, 0.08);
     EXPECT_LT(fit.median_mm, 0.13);

@@ -21,12 +21,6 @@ constexpr double kLattice_mm = 0.25;
 constexpr double kSectionReach_mm = 45.0;
 constexpr double kMinAirway_ml = 0.1;
 
-Vec3 center_of(const image::Grid& grid, Index v) {
-  const Index row = v / grid.size[0];
-  const Index i = v % grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
-  return grid.point_L({double(i), double(j), double(k)});
-}
-
 /// Extent of a voxel along a direction, at most.
 double extent_mm(const image::Grid& grid, const Vec3& along_L) {
   return (grid.direction.transpose() * along_L).cwiseAbs().dot(grid.spacing_mm);
@@ -40,7 +34,7 @@ double above(const Vec3& p_L, const Vec3& plane_L, const AirwayLimits& limits) {
 Mask airway_near(const LabelMap& labels, const AirwayLimits& limits) {
   return mask_where(labels.grid, [&](std::size_t v) {
     if (labels.values[v] != Tissue::kAirway) return false;
-    const Vec3 p_L = center_of(labels.grid, Index(v));
+    const Vec3 p_L = labels.grid.center_L(Index(v));
     return limits.anterior_L.dot(p_L - limits.front_L) <= 0.0 &&
            above(p_L, limits.upper_L, limits) <= kBeyond_mm &&
            above(p_L, limits.lower_L, limits) >= -kBeyond_mm;
@@ -56,7 +50,7 @@ Mask large_components(const Mask& air, const AirwayLimits& limits) {
   const Components parts = connected_components(air, Neighbors::kFaces);
   std::vector<Index> voxels(parts.voxels.size(), 0);
   for (std::size_t v = 0; v < air.values.size(); ++v)
-    if (air.values[v] != 0 && is_between(center_of(air.grid, Index(v)), limits))
+    if (air.values[v] != 0 && is_between(air.grid.center_L(Index(v)), limits))
       ++voxels[std::size_t(parts.component_of.values[v])];
   std::vector<std::uint8_t> keep(voxels.size(), 0);
   for (std::size_t part = 1; part < voxels.size(); ++part)
@@ -77,7 +71,7 @@ image::ScalarVolume air_fraction(const image::CtVolume& ct, const Mask& airway,
     double air = 1.0;
     if (inner.values[at] == 0)
       air = std::clamp((kMucosa_hu - double(ct.values[at])) / (kMucosa_hu - kOpenAir_hu), 0.0, 1.0);
-    const double behind_mm = limits.anterior_L.dot(limits.front_L - center_of(ct.grid, v));
+    const double behind_mm = limits.anterior_L.dot(limits.front_L - ct.grid.center_L(v));
     air *= std::clamp(0.5 + behind_mm / front_mm, 0.0, 1.0);
     fraction.values[at] = float(air);
   });
@@ -88,7 +82,7 @@ image::ScalarVolume air_fraction(const image::CtVolume& ct, const Mask& airway,
 image::ScalarVolume between_planes(image::ScalarVolume fraction, const AirwayLimits& limits) {
   const double height_mm = extent_mm(fraction.grid, limits.superior_L);
   parallel_for(fraction.grid.voxel_count(), [&](Index v) {
-    const Vec3 p_L = center_of(fraction.grid, v);
+    const Vec3 p_L = fraction.grid.center_L(v);
     const double below = -above(p_L, limits.upper_L, limits) / height_mm;
     const double over = above(p_L, limits.lower_L, limits) / height_mm;
     fraction.values[std::size_t(v)] *=
@@ -102,10 +96,10 @@ image::ScalarVolume between_planes(image::ScalarVolume fraction, const AirwayLim
 Index widest_voxel_at(const Mask& airway, const image::ScalarVolume& to_wall_mm,
                       const Vec3& plane_L, const AirwayLimits& limits) {
   const auto height_mm = [&](std::size_t v) {
-    return std::abs(above(center_of(airway.grid, Index(v)), plane_L, limits));
+    return std::abs(above(airway.grid.center_L(Index(v)), plane_L, limits));
   };
   const auto counts = [&](std::size_t v) {
-    return airway.values[v] != 0 && is_between(center_of(airway.grid, Index(v)), limits);
+    return airway.values[v] != 0 && is_between(airway.grid.center_L(Index(v)), limits);
   };
   double closest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t v = 0; v < airway.values.size(); ++v)

@@ -29,12 +29,6 @@ constexpr double kSymphysisToForamen_mm = 27.0;
 constexpr double kForamenHeight_mm = 14.0;
 constexpr double kOutsideMandible_hu = -200.0;
 
-Vec3 voxel_center(const image::Grid& grid, Index v) {
-  const Index row = v / grid.size[0];
-  const Index i = v % grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
-  return grid.point_L({double(i), double(j), double(k)});
-}
-
 /// One half of the mandible on a grid along the directions of the head.
 struct HalfMandible {
   image::ScalarVolume hu;  ///< Smoothed.
@@ -72,11 +66,11 @@ HalfMandible half_mandible(const image::CtVolume& ct, const LabelMap& labels,
   half.hu = {grid, std::vector<float>(std::size_t(grid.voxel_count()))};
   parallel_for(grid.voxel_count(), [&](Index v) {
     half.hu.values[std::size_t(v)] =
-        float(image::interpolate(ct, voxel_center(grid, v), kOutsideMandible_hu));
+        float(image::interpolate(ct, grid.center_L(v), kOutsideMandible_hu));
   });
   half.hu = smoothed(std::move(half.hu), kSmoothing_mm);
   const Mask labeled = mask_where(grid, [&](std::size_t v) {
-    const Vec3 at = labels.grid.index_V(voxel_center(grid, Index(v)));
+    const Vec3 at = labels.grid.index_V(grid.center_L(Index(v)));
     const auto i = Index(std::lround(at.x())), j = Index(std::lround(at.y())),
                k = Index(std::lround(at.z()));
     return labels.grid.contains(i, j, k) && labels.at(i, j, k) == Tissue::kMandible;
@@ -109,7 +103,7 @@ Section section_of(const HalfMandible& half, const MandibleSide& side, const Acc
   Section section;
   for (std::size_t v = 0; v < half.bone.values.size(); ++v) {
     if (half.bone.values[v] == 0) continue;
-    const Vec3 p_L = voxel_center(half.bone.grid, Index(v));
+    const Vec3 p_L = half.bone.grid.center_L(Index(v));
     if (!accepts(p_L)) continue;
     ++section.voxels;
     section.mean_L += p_L;
@@ -127,7 +121,7 @@ Vec3 on_surface(const HalfMandible& half, const Vec3& p_L) {
   double min_mm = std::numeric_limits<double>::infinity();
   for (std::size_t v = 0; v < half.surface.values.size(); ++v) {
     if (half.surface.values[v] == 0) continue;
-    const Vec3 q_L = voxel_center(half.surface.grid, Index(v));
+    const Vec3 q_L = half.surface.grid.center_L(Index(v));
     if ((q_L - p_L).norm() < min_mm) {
       min_mm = (q_L - p_L).norm();
       closest_L = q_L;
@@ -291,7 +285,7 @@ image::ScalarVolume speed_in(const HalfMandible& half, std::span<const Vec3> cou
     if (half.bone.values[std::size_t(v)] == 0) return;
     const double h = double(half.hu.values[std::size_t(v)]);
     const double denser = std::max({0.0, (h - low_hu) / scale_hu, (kMarrow_hu - h) / kShadow_hu});
-    const double d = distance_from(course_L, voxel_center(half.hu.grid, v)) / kCourse_mm;
+    const double d = distance_from(course_L, half.hu.grid.center_L(v)) / kCourse_mm;
     const double line = std::min(1.0, double(lines.values[std::size_t(v)]) / line_hu);
     speed.values[std::size_t(v)] =
         float((0.05 + 0.95 * std::exp(-0.5 * d * d)) * (0.05 + 0.95 * line) /
@@ -313,7 +307,7 @@ std::vector<FrontSource> surface_near(const HalfMandible& half, const Vec3& p_L,
   std::vector<FrontSource> voxels;
   for (std::size_t v = 0; v < half.surface.values.size(); ++v) {
     if (half.surface.values[v] == 0) continue;
-    const Vec3 q_L = voxel_center(grid, Index(v));
+    const Vec3 q_L = grid.center_L(Index(v));
     if ((q_L - p_L).norm() > kForamenReach_mm) continue;
     const Vec3 at = grid.index_V(q_L + kProbe_mm * outward_L);
     const auto i = Index(std::lround(at.x())), j = Index(std::lround(at.y())),
@@ -331,7 +325,7 @@ Result<Index> voxel_at(const HalfMandible& half, const Vec3& p_L) {
   double min_mm = kNear_mm;
   for (std::size_t v = 0; v < half.bone.values.size(); ++v) {
     if (half.bone.values[v] == 0) continue;
-    const double d_mm = (voxel_center(half.bone.grid, Index(v)) - p_L).norm();
+    const double d_mm = (half.bone.grid.center_L(Index(v)) - p_L).norm();
     if (d_mm <= min_mm && (d_mm < min_mm || closest < 0)) {
       min_mm = d_mm;
       closest = Index(v);

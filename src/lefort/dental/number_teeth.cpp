@@ -32,10 +32,7 @@ struct Jaw {
   DentalFrame frame;
 
   [[nodiscard]] Vec3 center(std::size_t v) const {
-    const auto& size = mask.grid.size;
-    const Index row = Index(v) / size[0];
-    const Index i = Index(v) % size[0], j = row % size[1], k = row / size[1];
-    return mask.grid.point_L({double(i), double(j), double(k)});
+    return mask.grid.center_L(Index(v));
   }
   /// Height towards the other jaw.
   [[nodiscard]] double height_mm(const Vec3& p_L) const {

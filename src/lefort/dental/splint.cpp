@@ -2,6 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/dental/blocked_space.h>
 #include <lefort/dental/check_arch.h>
+#include <lefort/dental/insertion_fit.h>
 #include <lefort/dental/splint.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -91,14 +92,6 @@ ColumnMap heights_of(const BlockedSpace& space, bool is_upper) {
   if (is_upper)
     for (double& value : map.values) value = -value;
   return map;
-}
-
-double percentile(std::vector<double> values, double part) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return kNone;
-  const auto n = std::ptrdiff_t(part * double(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + n, values.end());
-  return values[std::size_t(n)];
 }
 
 /// What a splint covers of an arch. Heights grow towards the other arch.
@@ -260,29 +253,6 @@ std::vector<char> covered_vertices(const Bvh& arch, const image::Grid& grid, con
   return covered;
 }
 
-/// \param occlusal  from the arch to the other one.
-SplintFit fit_of(const Bvh& arch, const Bvh& splint, const std::vector<char>& covered,
-                 const Vec3& occlusal, const Progress& progress) {
-  constexpr double kWay_mm = 10.0, kStep_mm = 0.5;
-  const TriangleMesh& mesh = arch.mesh();
-  std::vector<double> clearances(mesh.vertices.size(), kNone);
-  std::vector<double> depths(mesh.vertices.size(), 0.0);
-  const Box3 box = geometry::bounding_box(splint.mesh());
-  parallel_for(mesh.vertex_count(), [&](Index v) {
-    if (progress.stop_requested()) return;
-    const Vec3& p = mesh.vertices[std::size_t(v)];
-    if (covered[std::size_t(v)]) clearances[std::size_t(v)] = splint.signed_distance(p).distance_mm;
-    for (int n = 0; n <= int(kWay_mm / kStep_mm); ++n) {
-      const Vec3 at = p - n * kStep_mm * occlusal;
-      if (box.exteriorDistance(at) > 0.0) continue;
-      depths[std::size_t(v)] =
-          std::max(depths[std::size_t(v)], -splint.signed_distance(at).distance_mm);
-    }
-  });
-  return {percentile(clearances, 0.05), percentile(clearances, 0.5), percentile(clearances, 0.95),
-          *std::max_element(depths.begin(), depths.end())};
-}
-
 Result<void> check(const SplintOptions& options) {
   const auto in = [](double value, double low, double high) {
     return value >= low && value <= high;
@@ -350,13 +320,13 @@ Result<Splint> make_splint(const TriangleMesh& upper_L, const TriangleMesh& lowe
   progress.begin_stage("fit of the splint");
   const Bvh surface(splint.surface_L);
   splint.upper =
-      fit_of(arches.upper, surface,
-             covered_vertices(arches.upper, grid, from_upper, true, options.clearance_mm),
-             -axes.superior_L, progress);
+      insertion_fit(upper_L, surface,
+                    covered_vertices(arches.upper, grid, from_upper, true, options.clearance_mm),
+                    -axes.superior_L, progress);
   splint.lower =
-      fit_of(arches.lower, surface,
-             covered_vertices(arches.lower, grid, from_lower, false, options.clearance_mm),
-             axes.superior_L, progress);
+      insertion_fit(lower_L, surface,
+                    covered_vertices(arches.lower, grid, from_lower, false, options.clearance_mm),
+                    axes.superior_L, progress);
   if (progress.stop_requested()) return cancelled();
   return splint;
 }

@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
+#include <lefort/dental/insertion_fit.h>
 #include <lefort/dental/measure_occlusion.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -17,16 +18,6 @@ struct SplintOptions {
   double voxel_mm = 0.2;      ///< Of the grid; 0.1 to 0.5.
 };
 
-/// How an arch fits into a splint.
-struct SplintFit {
-  /// Distance from the splint of the vertices that it covers and that face the other arch [mm];
-  /// negative: inside. NaN without such vertices.
-  double p5_mm = 0.0, median_mm = 0.0, p95_mm = 0.0;
-  /// Deepest penetration of a vertex of the arch into the splint, at the end and on the way of 10
-  /// mm in, along the direction of insertion [mm].
-  double max_penetration_mm = 0.0;
-};
-
 /// A splint in frame L.
 struct Splint {
   geometry::TriangleMesh surface_L;  ///< Closed.
@@ -35,7 +26,7 @@ struct Splint {
   /// Between the arches along the direction of insertion, where it covers one of them and the other
   /// one is opposite; negative: the splint has a hole there.
   double min_thickness_mm = 0.0;
-  SplintFit upper, lower;
+  InsertionFit upper, lower;  ///< Of the vertices that it covers and that face the other arch.
 };
 
 /// Makes a splint. Its body is what lies within wall_mm of the covered crowns in the occlusal

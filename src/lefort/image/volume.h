@@ -29,6 +29,12 @@ struct Grid {
   [[nodiscard]] Vec3 point_L(const Vec3& index_V) const {
     return origin_L + direction * index_V.cwiseProduct(spacing_mm);
   }
+  /// Center of the voxel at a position in the list of values.
+  [[nodiscard]] Vec3 center_L(Index offset) const {
+    const Index row = offset / size[0];
+    return point_L({static_cast<double>(offset % size[0]), static_cast<double>(row % size[1]),
+                    static_cast<double>(row / size[1])});
+  }
   [[nodiscard]] Vec3 index_V(const Vec3& p_L) const {
     return (direction.transpose() * (p_L - origin_L)).cwiseQuotient(spacing_mm);
   }

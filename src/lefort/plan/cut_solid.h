@@ -1,5 +1,5 @@
 /// \file
-/// The solids by which an osteotomy cuts bone. Used in this layer only.
+/// The solids by which an osteotomy cuts bone. Used in this layer and for cutting guides.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -1,5 +1,6 @@
 #include <lefort/app/commands/command.h>
 #include <lefort/app/commands/path_kind.h>
+#include <lefort/pipeline/guide.h>
 #include <lefort/pipeline/optimize.h>
 #include <lefort/pipeline/plan.h>
 
@@ -78,13 +79,72 @@ void add_optimize_command(CLI::App& plan, CommandContext& context) {
   });
 }
 
+CLI::Option* add_length(CLI::App& command, const std::string& name, double& value, double low,
+                        double high, const std::string& meaning) {
+  return command.add_option(name, value, meaning + " [mm]")
+      ->check(CLI::Range(low, high))
+      ->capture_default_str();
+}
+
+void add_guide_options(CLI::App& command, dental::GuideOptions& guide, dental::HoleOptions& holes) {
+  add_length(command, "--clearance", guide.clearance_mm, 0.0, 0.5, "Between bone and guide");
+  add_length(command, "--thickness", guide.thickness_mm, 2.0, 6.0, "Of the guide");
+  add_length(command, "--width", guide.width_mm, 5.0, 20.0,
+             "Of the guide, on each side of the cut");
+  add_length(command, "--slot-clearance", guide.slot_clearance_mm, 0.0, 0.5,
+             "On each side of the saw, which is as thick as the kerf of the plan");
+  add_length(command, "--bridge", guide.bridge_mm, 2.0, 10.0,
+             "Length without a slot at the ends and between slots");
+  add_length(command, "--max-slot", guide.max_slot_mm, 5.0, 100.0, "Length of a slot at most");
+  add_length(command, "--voxel", guide.voxel_mm, 0.1, 0.5, "Resolution");
+  add_length(command, "--hole-diameter", holes.diameter_mm, 1.0, 4.0, "Of the drill");
+  add_length(command, "--hole-depth", holes.depth_mm, 2.0, 20.0, "Of the screws in the bone");
+  add_length(command, "--hole-distance", holes.from_cut_mm, 3.0, 15.0,
+             "Of the centers of the holes from the cut");
+  add_length(command, "--hole-clearance", holes.min_clear_mm, 0.0, 10.0,
+             "Minimum distance of the drill from tooth roots and nerves");
+}
+
+void add_guide_command(CLI::App& plan, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::GuideJob>();
+  CLI::App* const command =
+      plan.add_subcommand("guide", "Make cutting guides with slots and holes, to print");
+  mark_path(command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)"),
+            PathKind::kPlan)
+      ->required();
+  mark_path(
+      command->add_option("-o,--output", job->output, "Folder for the guides and guides.json"),
+      PathKind::kNewFolder)
+      ->required();
+  mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
+            PathKind::kScan);
+  command->add_option("--nerve", job->nerve,
+                      "nerve.json of `lefort nerve`: canals that holes must not touch");
+  command->add_option("--segment", job->segment, "Only the guides of this segment");
+  command
+      ->add_option("--from", job->from,
+                   "Side from which the guide is put on; unless given, right and left for a "
+                   "sagittal split, otherwise anterior")
+      ->check(CLI::IsMember({"anterior", "right", "left", "inferior"}));
+  add_guide_options(*command, job->guide, job->holes);
+  command->footer(
+      "Example:\n"
+      "  lefort plan guide examples/le_fort_1.json --ct ct.nrrd -o guides/\n"
+      "Guide: docs/guide/guides.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("plan guide",
+                [&](Progress& progress) { return pipeline::make_guides(*job, progress); });
+  });
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const plan =
-      cli.add_subcommand("plan", "Osteotomies and bone movements: check, optimize");
+      cli.add_subcommand("plan", "Osteotomies and bone movements: check, optimize, guides");
   plan->require_subcommand(1);
   add_optimize_command(*plan, context);
+  add_guide_command(*plan, context);
   const auto job = std::make_shared<pipeline::CheckPlanJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(

@@ -38,14 +38,6 @@ dental::ArchAxes moved(const ArchDirections& directions, const RigidTransform& X
   return axes;
 }
 
-nlohmann::json fit_json(const dental::SplintFit& fit) {
-  return {{"clearance_mm",
-           {{"p5", number_or_null(fit.p5_mm)},
-            {"median", number_or_null(fit.median_mm)},
-            {"p95", number_or_null(fit.p95_mm)}}},
-          {"max_penetration_mm", fit.max_penetration_mm}};
-}
-
 std::string text_of(const dental::Splint& splint, const fs::path& file) {
   std::string text = fmt::format("{}: {:.1f} ml, {:.2f} mm between the arches", file.string(),
                                  splint.volume_ml, splint.min_thickness_mm);

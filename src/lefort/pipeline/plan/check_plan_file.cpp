@@ -304,36 +304,18 @@ Result<void> write_pictures(const fs::path& folder, std::span<const report::Plan
   return {};
 }
 
-/// The canals that cuts are compared with.
-Result<Nerves> nerves_of(const CheckPlanJob& job, Progress& progress) {
-  if (!job.nerve) return Nerves();
-  LEFORT_TRY(Nerves nerves, read_nerves(*job.nerve));
-  for (const std::string& note : nerves.notes) progress.note(note);
-  return nerves;
-}
-
-/// Whether the canals were found in the scan that is cut, as far as both are known.
-Result<void> check_same_scan(const Nerves& nerves, const Bones& bones) {
-  if (nerves.ct_sha256.empty() || bones.ct_sha256.empty() || nerves.ct_sha256 == bones.ct_sha256)
-    return {};
-  return fail(
-      ErrorCode::kInvalidArgument,
-      "the canals of --nerve were found in another scan: run `lefort nerve` with the scan of "
-      "the plan");
-}
-
 }  // namespace
 
 Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText plan_text, read_plan(job, progress));
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
-  LEFORT_TRY(const Nerves nerves, nerves_of(job, progress));
+  LEFORT_TRY(const Nerves nerves, read_given_nerves(job.nerve, progress));
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
   LEFORT_TRY(const Bones before, find_skull(job, plan, progress));
-  LEFORT_TRY_VOID(check_same_scan(nerves, before));
+  LEFORT_TRY_VOID(check_same_scan(nerves, before.ct_sha256));
 
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/predict/nerve_distances.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +24,17 @@ struct Nerves {
 /// \returns the canals; or the errors of io::read_text(); or kFileCorrupt if the file is not of its
 ///   format, a canal has fewer than two points, or a number is not finite.
 [[nodiscard]] Result<Nerves> read_nerves(const std::filesystem::path& file);
+
+/// Reads nerve.json, if one is given, and reports its notes.
+///
+/// \param file       none: no canals.
+/// \returns the canals; or the errors of read_nerves().
+[[nodiscard]] Result<Nerves> read_given_nerves(const std::optional<std::filesystem::path>& file,
+                                               Progress& progress);
+
+/// \param ct_sha256  of the scan that is cut; empty if there is none.
+/// \returns nothing; or kInvalidArgument if the canals were found in another scan, as far as both
+///   are known.
+[[nodiscard]] Result<void> check_same_scan(const Nerves& nerves, const std::string& ct_sha256);
 
 }  // namespace lefort::pipeline
