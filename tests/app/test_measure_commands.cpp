@@ -1,5 +1,6 @@
 // Canals, airway and cephalogram of a synthetic head, as a user types them, and bad input.
 #include <lefort/anatomy/parametric_head.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/surface_files.h>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -156,6 +158,62 @@ TEST_F(MeasureCommands, cephalogram_with_tracing_and_norms) {
       run_lefort("cephalogram " + inputs() + "--norms male -o '" + path("repeated").string() + "'");
   ASSERT_EQ(again.exit_code, 0) << again.error;
   EXPECT_EQ(bytes_of(path("repeated") / "cephalometry.pdf"), pdf);
+}
+
+/// A plan with a genioplasty, on the scan.
+void write_chin_plan(const fs::path& file) {
+  const nlohmann::json plan{{"lefort_plan", 1},
+                            {"ct", "ct.nrrd"},
+                            {"segmentation", {{"labels", "labels.seg.nrrd"}}},
+                            {"landmarks", "landmarks.mrk.json"},
+                            {"segments",
+                             {{{"name", "chin"},
+                               {"osteotomy", {{"template", "genioplasty"}, {"kerf_mm", 0.8}}},
+                               {"path", {{"keyframes", {{{"translation_mm", {0, -6, 2}}}}}}}}}}};
+  ASSERT_TRUE(io::write_text(file, plan.dump(1)));
+}
+
+TEST_F(MeasureCommands, cutting_guides_with_the_same_holes_before_and_after) {
+  write_chin_plan(path("chin.json"));
+  const std::string plan = "'" + path("chin.json").string() + "' --voxel 0.4 --quiet ";
+  const fs::path output = path("guides");
+  const auto done = run_lefort("plan guide " + plan + "--json -o '" + output.string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const auto guides = nlohmann::json::parse(done.out).at("guides");
+  ASSERT_EQ(guides.size(), 1U) << done.out;
+  EXPECT_EQ(guides[0].at("name"), "chin_middle");
+  EXPECT_EQ(guides[0].at("parts"), 1);
+  EXPECT_NEAR(guides[0].at("slot_width_mm").get<double>(), 1.0, 1e-9);
+  EXPECT_LT(guides[0].at("fit").at("max_penetration_mm").get<double>(), 0.05);
+  EXPECT_NEAR(guides[0].at("fit").at("clearance_mm").at("median").get<double>(), 0.1, 0.03);
+  const auto surface = io::read_surface(output / "guide_chin_middle.stl");
+  ASSERT_TRUE(surface) << surface.error().message;
+  EXPECT_TRUE(geometry::is_closed(geometry::weld_vertices(*surface)));
+  int on_segment = 0, others = 0;
+  for (const auto& hole : guides[0].at("holes")) {
+    const bool moves = hole.at("is_on_segment");
+    ++(moves ? on_segment : others);
+    const std::array<double, 3> shift{0.0, -6.0, 2.0};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(
+          hole.at("after_mm")[axis].get<double>() - hole.at("before_mm")[axis].get<double>(),
+          moves ? shift[axis] : 0.0, 1e-9);
+  }
+  EXPECT_GE(on_segment, 2);
+  EXPECT_GE(others, 2);
+  const auto before = io::read_landmarks(output / "holes_before.mrk.json");
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->size(), guides[0].at("holes").size());
+
+  // Guides of an earlier run do not stay.
+  const auto again = run_lefort("plan guide " + plan + "--from right -o '" + output.string() + "'");
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  EXPECT_FALSE(fs::exists(output / "guide_chin_middle.stl"));
+  EXPECT_TRUE(fs::exists(output / "guide_chin_right.stl")) << again.out;
+
+  expect_refused("plan guide " + plan + "--segment nose", 1, "the plan has no segment 'nose'");
+  expect_refused("plan guide " + plan + "--from above", 2, "--from");
+  expect_refused("plan guide " + plan + "--hole-distance 9", 1, "must be 11.25 mm or more");
 }
 
 TEST_F(MeasureCommands, refuses_in_one_line) {

@@ -13,7 +13,7 @@ namespace lefort::dental {
 namespace {
 
 /// Bone faces the viewer if the cosine is larger.
-constexpr double kFacesViewer = 0.3;
+constexpr double kFacesViewer = 0.5;
 /// Points of one line are not further from each other.
 constexpr double kGap_mm = 5.0;
 constexpr double kPointSpacing_mm = 0.5;

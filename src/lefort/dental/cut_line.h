@@ -24,7 +24,7 @@ struct CutLine {
 };
 
 /// Finds the lines: borders of the cut faces from which a ray towards the viewer meets no bone,
-/// where the bone faces the viewer (72 degrees or less). Points up to 5 mm from each other are one
+/// where the bone faces the viewer (60 degrees or less). Points up to 5 mm from each other are one
 /// line; shorter ones than `min_length_mm` are left out.
 ///
 /// \param cut_faces_L    the faces of the cut on one of its sides; open.

@@ -1,6 +1,7 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/core/parallel.h>
 #include <lefort/dental/blocked_space.h>
+#include <lefort/dental/column_map.h>
 #include <lefort/dental/cutting_guide.h>
 #include <lefort/geometry/mesh_properties.h>
 
@@ -117,19 +118,33 @@ Result<image::Grid> grid_around(const GuideSite& site, const CutLine& line,
   return grid;
 }
 
-/// Positive where the bone below faces outward (80 degrees or less), so that no guide hooks around
-/// edges, as that of the nasal aperture.
-///
-/// \param offset_L  from the bone to a point outside of it.
-double faces_mm(const Vec3& offset_L, const Vec3& outward_L) {
-  constexpr double kCosine = 0.17, kScale_mm = 3.0;
-  return kScale_mm * (offset_L.normalized().dot(outward_L) - kCosine);
+/// Positive where the bone of a column faces outward (75 degrees or less) [mm], so that no guide
+/// hooks around edges, as that of the nasal aperture.
+ColumnMap facing(const BlockedSpace& blocked) {
+  constexpr double kCosine = 0.26, kScale_mm = 3.0, kSmooth_mm = 1.0;
+  const image::Grid& grid = blocked.level.grid;
+  const ColumnMap heights =
+      smoothed({grid.size[0], grid.size[1], grid.spacing_mm.x(), blocked.border_mm}, kSmooth_mm);
+  ColumnMap faces = heights;
+  const double step_mm = 2.0 * heights.spacing_mm;
+  parallel_for(heights.width * heights.height, [&](Index column) {
+    const Index i = column % heights.width, j = column / heights.width;
+    double cosine = 0.0;
+    if (i > 0 && j > 0 && i + 1 < heights.width && j + 1 < heights.height) {
+      const double du = (heights.at(i + 1, j) - heights.at(i - 1, j)) / step_mm;
+      const double dv = (heights.at(i, j + 1) - heights.at(i, j - 1)) / step_mm;
+      if (!std::isnan(du + dv)) cosine = 1.0 / std::sqrt(1.0 + du * du + dv * dv);
+    }
+    faces.values[std::size_t(column)] = kScale_mm * (cosine - kCosine);
+  });
+  return smoothed(faces, kSmooth_mm);
 }
 
 /// Level of the guide. Takes the place of that of the blocked space.
 image::ScalarVolume guide_level(BlockedSpace&& blocked, const GuideSite& site, const CutLine& line,
                                 const Openings& openings, const GuideOptions& options,
                                 const Progress& progress) {
+  const ColumnMap faces = facing(blocked);
   image::ScalarVolume level = std::move(blocked.level);
   const image::Grid& grid = level.grid;
   const double outer_mm = options.clearance_mm + options.thickness_mm;
@@ -148,9 +163,8 @@ image::ScalarVolume guide_level(BlockedSpace&& blocked, const GuideSite& site, c
       const auto bone = site.bone.closest_point(p_L, outer_mm + 2.0 * options.voxel_mm);
       if (!bone) continue;
       const NearLine near = near_line(line, p_L);
-      const double body =
-          std::min({free_mm, outer_mm - bone->distance_mm, options.width_mm - near.distance_mm,
-                    faces_mm(p_L - bone->point, site.outward_L)});
+      const double body = std::min({free_mm, outer_mm - bone->distance_mm,
+                                    options.width_mm - near.distance_mm, faces.at(i, j)});
       value = float(body < -1.0 ? -1.0 : std::min(body, openings.at(p_L, near.position_mm)));
     }
   });

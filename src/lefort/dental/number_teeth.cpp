@@ -31,9 +31,7 @@ struct Jaw {
   Tooth jaw = Tooth::kUpper;
   DentalFrame frame;
 
-  [[nodiscard]] Vec3 center(std::size_t v) const {
-    return mask.grid.center_L(Index(v));
-  }
+  [[nodiscard]] Vec3 center(std::size_t v) const { return mask.grid.center_L(Index(v)); }
   /// Height towards the other jaw.
   [[nodiscard]] double height_mm(const Vec3& p_L) const {
     const double up = frame.superior_L.dot(p_L);
@@ -410,15 +408,6 @@ NumberedParts divided_parts(Jaw& jaw, const Arch& arch) {
   return found;
 }
 
-/// Adds the numbers of a jaw that no part has, except third molars.
-void add_missing(const std::vector<int>& fdi, Tooth jaw, NumberedTeeth& result) {
-  const std::array<int, 2> quadrants = jaw == Tooth::kUpper ? std::array{1, 2} : std::array{3, 4};
-  for (const int quadrant : quadrants)
-    for (int position = 1; position <= 7; ++position)
-      if (std::find(fdi.begin(), fdi.end(), 10 * quadrant + position) == fdi.end())
-        result.missing.push_back(10 * quadrant + position);
-}
-
 void number_jaw(Jaw& jaw, const anatomy::Margin& margin, NumberedTeeth& result) {
   const Arch arch(jaw);
   join_small_parts(jaw, arch);
@@ -434,7 +423,6 @@ void number_jaw(Jaw& jaw, const anatomy::Margin& margin, NumberedTeeth& result) 
     for (std::size_t v = 0; v < numbers.values.size(); ++v)
       if (jaw.parts.values[v] == labels[n]) numbers.values[v] = std::uint8_t(fdi[n]);
   }
-  add_missing(fdi, jaw.jaw, result);
   image::Volume<std::uint8_t> old = anatomy::cropped(result.numbers, margin);
   for (std::size_t v = 0; v < old.values.size(); ++v)
     if (numbers.values[v] != 0) old.values[v] = numbers.values[v];
@@ -448,10 +436,7 @@ NumberedTeeth number_teeth(const anatomy::ToothMap& teeth, const DentalFrame& fr
   result.numbers = {teeth.grid, std::vector<std::uint8_t>(teeth.values.size(), 0)};
   for (const Tooth tooth : {Tooth::kUpper, Tooth::kLower}) {
     const auto belongs = [&](std::size_t v) { return teeth.values[v] == tooth; };
-    if (std::find(teeth.values.begin(), teeth.values.end(), tooth) == teeth.values.end()) {
-      add_missing({}, tooth, result);
-      continue;
-    }
+    if (std::find(teeth.values.begin(), teeth.values.end(), tooth) == teeth.values.end()) continue;
     const anatomy::Margin margin = anatomy::margin_around(teeth.grid, {2, 2, 2}, belongs);
     Jaw jaw{anatomy::cropped(anatomy::mask_where(teeth.grid, belongs), margin), {}, tooth, frame};
     jaw.parts = split_teeth(jaw.mask, kDynamic_mm);
@@ -459,7 +444,19 @@ NumberedTeeth number_teeth(const anatomy::ToothMap& teeth, const DentalFrame& fr
   }
   std::sort(result.teeth.begin(), result.teeth.end(),
             [](const NumberedTooth& a, const NumberedTooth& b) { return a.fdi < b.fdi; });
+  result.missing = missing_numbers(result.teeth);
   return result;
+}
+
+std::vector<int> missing_numbers(std::span<const NumberedTooth> teeth) {
+  std::vector<int> missing;
+  for (int quadrant = 1; quadrant <= 4; ++quadrant)
+    for (int position = 1; position <= 7; ++position) {
+      const int fdi = 10 * quadrant + position;
+      if (std::none_of(teeth.begin(), teeth.end(), [&](auto& one) { return one.fdi == fdi; }))
+        missing.push_back(fdi);
+    }
+  return missing;
 }
 
 }  // namespace lefort::dental

@@ -6,6 +6,7 @@
 #include <lefort/image/volume.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace lefort::dental {
@@ -58,5 +59,8 @@ struct NumberedTeeth {
 /// \param frame  of the head.
 /// \note The constants were chosen with `jaws_and_teeth_labels`.
 [[nodiscard]] NumberedTeeth number_teeth(const anatomy::ToothMap& teeth, const DentalFrame& frame);
+
+/// \returns the FDI numbers without a tooth, except third molars.
+[[nodiscard]] std::vector<int> missing_numbers(std::span<const NumberedTooth> teeth);
 
 }  // namespace lefort::dental

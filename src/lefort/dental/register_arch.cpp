@@ -3,6 +3,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
 #include <lefort/dental/beyond_border.h>
+#include <lefort/dental/coarse_alignment.h>
 #include <lefort/dental/register_arch.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -25,7 +26,6 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 constexpr double kMinLength_mm = 25.0, kMaxLength_mm = 150.0;
-constexpr double kCounterpart_mm = 1.0;
 /// A registration is accepted up to this RMS: a voxel of 0.5 mm and the wear of an impression.
 constexpr double kMaxRms_mm = 0.5;
 /// At least so much of the crowns has a counterpart; the rest may be metal or cropped.
@@ -133,89 +133,10 @@ std::vector<RigidTransform> alignments_near(const RigidTransform& X, const Crown
   return starts;
 }
 
-/// A point of the crowns with its normal.
-struct CrownPoint {
-  Vec3 point, normal;
-};
-
-std::vector<CrownPoint> points_of(const Crowns& crowns, Index maximum) {
-  const TriangleMesh& mesh = crowns.surface_L;
-  const geometry::Pseudonormals normals(mesh);
-  const Index stride = std::max<Index>((mesh.vertex_count() + maximum - 1) / maximum, 1);
-  std::vector<CrownPoint> points;
-  for (Index v = 0; v < mesh.vertex_count(); v += stride)
-    points.push_back({mesh.vertices[std::size_t(v)], normals.at_vertex(mesh, v)});
-  return points;
-}
-
-/// An alignment and its distance.
-struct Alignment {
-  RigidTransform X = RigidTransform::Identity();
-  double median_mm = std::numeric_limits<double>::infinity();
-};
-
-/// Few iterations with few points: point to plane \cite chen1992, with Tukey's weights.
-Alignment iterate_coarsely(const std::vector<CrownPoint>& points, const Bvh& scan,
-                           const Vec3& center, const RigidTransform& X) {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Mat6 = Eigen::Matrix<double, 6, 6>;
-  constexpr int kIterations = 15;
-  constexpr double kRadius_mm = 20.0, kTukeyWidth = 4.685 * 1.4826, kMinWidth_mm = 0.3;
-  Alignment now{X};
-  for (int n = 0; n < kIterations; ++n) {
-    std::vector<double> off(points.size(), std::numeric_limits<double>::infinity());
-    std::vector<Vec6> rows(points.size(), Vec6::Zero());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 p = now.X * points[i].point;
-      const auto nearest = scan.closest_point(p);
-      if (!nearest) continue;
-      const Vec3 there =
-          scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
-      if (!(there.dot(now.X.linear() * points[i].normal) > 0.3)) continue;
-      const Vec3 offset = p - nearest->point;
-      if (is_beyond_border(offset, there) && offset.norm() < kCounterpart_mm) continue;
-      off[i] = there.dot(offset);
-      rows[i] << (p - now.X * center).cross(there) / kRadius_mm, there;
-    }
-    std::vector<double> sizes;
-    sizes.reserve(off.size());
-    for (const double d : off) sizes.push_back(std::abs(d));
-    const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    now.median_mm = *middle;
-    const double width_mm =
-        std::isfinite(now.median_mm) ? std::max(kTukeyWidth * now.median_mm, kMinWidth_mm) : 10.0;
-    Mat6 A = Mat6::Identity() * 1e-3;
-    Vec6 b = Vec6::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!(std::abs(off[i]) < width_mm)) continue;
-      const double u = off[i] / width_mm, w = (1.0 - u * u) * (1.0 - u * u);
-      A += w * rows[i] * rows[i].transpose();
-      b -= w * off[i] * rows[i];
-    }
-    const Vec6 step = A.ldlt().solve(b);
-    now.X =
-        geometry::rigid_motion(step.tail<3>(), step.head<3>() / kRadius_mm, now.X * center) * now.X;
-  }
-  return now;
-}
-
 /// \returns the ends from all starts, the closest first.
 std::vector<Alignment> search(const Crowns& crowns, const Bvh& scan,
                               const std::vector<RigidTransform>& starts) {
-  const std::vector<CrownPoint> points = points_of(crowns, 300);
-  std::vector<Alignment> ends(starts.size());
-  parallel_for(
-      Index(starts.size()),
-      [&](Index n) {
-        ends[std::size_t(n)] =
-            iterate_coarsely(points, scan, crowns.center_L, starts[std::size_t(n)]);
-      },
-      1);
-  std::stable_sort(ends.begin(), ends.end(), [](const Alignment& a, const Alignment& b) {
-    return a.median_mm < b.median_mm;
-  });
-  return ends;
+  return align_coarsely(points_with_normals(crowns.surface_L, 300), scan, crowns.center_L, starts);
 }
 
 TriangleMesh reversed(TriangleMesh mesh) {

@@ -2,6 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/dental/blocked_space.h>
 #include <lefort/dental/check_arch.h>
+#include <lefort/dental/column_map.h>
 #include <lefort/dental/insertion_fit.h>
 #include <lefort/dental/splint.h>
 #include <lefort/geometry/bvh.h>
@@ -30,59 +31,11 @@ constexpr double kCusps_mm = 4.0;
 /// How far the splint reaches over the cusps of the other arch, where that overlaps this one.
 constexpr double kOver_mm = 2.0;
 
-/// Values on the columns of a grid, i fastest.
-struct ColumnMap {
-  Index width = 0, height = 0;
-  double spacing_mm = 1.0;
-  std::vector<double> values;
-
-  [[nodiscard]] double at(Index i, Index j) const { return values[std::size_t(i + width * j)]; }
-};
-
-/// Combines each value with those up to `radius_mm` away, along i and then along j:
-/// `combine(value, other, squared_mm)`.
-template <class Combine>
-ColumnMap filtered(ColumnMap map, double radius_mm, const Combine& combine) {
-  const auto reach = Index(std::floor(radius_mm / map.spacing_mm));
-  for (const bool along_i : {true, false}) {
-    const ColumnMap before = map;
-    parallel_for(map.width * map.height, [&](Index column) {
-      const Index i = column % map.width, j = column / map.width;
-      const Index at = along_i ? i : j, size = along_i ? map.width : map.height;
-      double& value = map.values[std::size_t(column)];
-      for (Index n = std::max<Index>(at - reach, 0); n <= std::min(at + reach, size - 1); ++n) {
-        const double mm = map.spacing_mm * double(n - at);
-        value = combine(value, along_i ? before.at(n, j) : before.at(i, n), mm * mm);
-      }
-    });
-  }
-  return map;
-}
-
 /// Largest value of a square around each column; NaN is left out.
 ColumnMap highest_around(const ColumnMap& map, double radius_mm) {
   return filtered(map, radius_mm, [](double value, double other, double) {
     return std::isnan(value) || other > value ? other : value;
   });
-}
-
-/// Mean over a square; NaN is left out.
-ColumnMap smoothed(const ColumnMap& map, double radius_mm) {
-  ColumnMap result = map;
-  const auto reach = Index(std::ceil(radius_mm / map.spacing_mm));
-  parallel_for(map.width * map.height, [&](Index column) {
-    const Index i = column % map.width, j = column / map.width;
-    double sum = 0.0;
-    Index count = 0;
-    for (Index b = std::max<Index>(j - reach, 0); b <= std::min(j + reach, map.height - 1); ++b)
-      for (Index a = std::max<Index>(i - reach, 0); a <= std::min(i + reach, map.width - 1); ++a)
-        if (const double value = map.at(a, b); !std::isnan(value)) {
-          sum += value;
-          ++count;
-        }
-    result.values[std::size_t(column)] = count > 0 ? sum / double(count) : kNone;
-  });
-  return result;
 }
 
 /// Heights of an arch, growing towards the other one.

@@ -5,11 +5,14 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/dental/find_occlusion.h>
+#include <lefort/dental/renumber_teeth.h>
 #include <lefort/dental/splint.h>
 #include <lefort/pipeline/summary.h>
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 namespace lefort::pipeline {
 
@@ -36,14 +39,18 @@ struct TeethJob {
   std::filesystem::path ct;                        ///< Anything `lefort import` reads.
   std::optional<std::filesystem::path> labels;     ///< .seg.nrrd; segmented unless given.
   std::optional<std::filesystem::path> landmarks;  ///< What is missing is found.
-  std::filesystem::path output;                    ///< A folder; made if missing.
+  /// teeth_corrections.json: numbers that the user has corrected.
+  std::optional<std::filesystem::path> corrections;
+  std::vector<dental::ToothCorrection> more_corrections;  ///< Added to those of the file.
+  std::filesystem::path output;                           ///< A folder; made if missing.
 };
 
-/// Finds, separates and numbers the teeth (dental::number_teeth()). Writes
-/// `teeth_numbered.seg.nrrd`, `teeth.mrk.json` (crown and apex of each tooth), `teeth.csv` and
+/// Finds, separates and numbers the teeth (dental::number_teeth()), and corrects their numbers.
+/// Writes `teeth_corrections.json` if there are corrections, `teeth_numbered.seg.nrrd`, `teeth.mrk.json` (crown and apex of each tooth), `teeth.csv` and
 /// `teeth.json`.
 ///
 /// \returns the summary, or
+///   - kInvalidArgument  a correction is not possible (dental::renumbered());
 ///   - kAnatomyMissing   no tooth is found, or no landmark of the mid-sagittal plane (N, ANS, A);
 ///   - the errors of oriented_head();
 ///   - kFileUnwritable   a result cannot be written.
@@ -55,16 +62,29 @@ struct OcclusionJob {
   /// arches.json of register_arches(), for the directions; without it those of the patient.
   std::optional<std::filesystem::path> arches;
   dental::OcclusionOptions options;
-  std::filesystem::path output;  ///< A folder; made if missing.
+  /// Scans of the teeth in occlusion, from the cheek: the occlusion is theirs.
+  std::vector<std::filesystem::path> bites;
+  /// The occlusion is that of the files of the intraoral scans, which the scanner has exported in
+  /// occlusion; `arches` knows their motions.
+  bool is_as_scanned = false;
+  /// Cuts of the upper arch between adjacent teeth, by their FDI numbers: pieces that are moved on
+  /// their own to the occlusion with the lower arch. `teeth` is needed.
+  std::vector<std::array<int, 2>> cuts;
+  std::optional<std::filesystem::path> teeth;  ///< teeth.json of number_teeth_of_scan().
+  std::filesystem::path output;                ///< A folder; made if missing.
 };
 
-/// Finds the maximum intercuspation. Writes `lower.stl` (the lower arch there),
+/// Finds the occlusion: the maximum intercuspation, or that of bite scans, or that of the scanner.
+/// With cuts, also that of each piece of the upper arch, and writes `piece_N.stl` and
+/// `piece_N.tfm`, from right to left. Writes `lower.stl` (the lower arch there),
 /// `lower_to_occlusion.tfm` (its motion, for the path of a plan), `lower_contacts.vtp` (with the
 /// gap to the upper arch) and `occlusion.json`.
 ///
 /// \returns the summary, or
-///   - the errors of io::read_surface() and dental::find_occlusion();
-///   - kFileCorrupt     `arches` is not of its format;
+///   - the errors of io::read_surface(), dental::find_occlusion(), dental::register_bite() and
+///     cut_arch();
+///   - kInvalidArgument `arches` does not have the motions of both scans;
+///   - kFileCorrupt     `arches` or `teeth` is not of its format;
 ///   - kFileUnwritable  a result cannot be written.
 [[nodiscard]] Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress);
 

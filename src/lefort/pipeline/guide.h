@@ -18,7 +18,9 @@ struct GuideJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
   std::optional<std::filesystem::path> nerve;  ///< nerve.json of trace_nerves().
-  std::string segment;                         ///< Empty: each segment that is cut.
+  /// teeth_corrections.json of number_teeth_of_scan().
+  std::optional<std::filesystem::path> tooth_corrections = std::nullopt;
+  std::string segment;  ///< Empty: each segment that is cut.
   /// The side from which the guide is put on: "anterior", "right", "left", "inferior"; empty: right
   /// and left for a sagittal split, anterior for other osteotomies.
   std::string from;

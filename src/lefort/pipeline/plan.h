@@ -40,7 +40,9 @@ struct CheckPlanJob {
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
   std::optional<std::filesystem::path> skull;  ///< A closed surface, instead of any scan.
   std::optional<std::filesystem::path> nerve = std::nullopt;  ///< nerve.json of trace_nerves().
-  std::filesystem::path output;                               ///< A folder; made if missing.
+  /// teeth_corrections.json of number_teeth_of_scan().
+  std::optional<std::filesystem::path> tooth_corrections = std::nullopt;
+  std::filesystem::path output;                ///< A folder; made if missing.
   std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
   predict::PlanLimits limits;
   bool pictures = true;

@@ -2,9 +2,13 @@
 #include <lefort/app/commands/path_kind.h>
 #include <lefort/pipeline/dental.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace lefort::app {
 namespace {
@@ -38,11 +42,42 @@ void add_register(CLI::App& dental, CommandContext& context) {
   });
 }
 
+/// Two numbers joined by a character, as "16=17".
+CLI::Validator number_pair(char between) {
+  const std::string form = std::string("NUMBER") + between + "NUMBER";
+  return {[between, form](const std::string& text) -> std::string {
+            const std::size_t at = text.find(between);
+            const auto is_number = [](const std::string& part) {
+              return !part.empty() && part.size() <= 2 &&
+                     std::all_of(part.begin(), part.end(),
+                                 [](unsigned char c) { return c >= '0' && c <= '9'; });
+            };
+            if (at != std::string::npos && is_number(text.substr(0, at)) &&
+                is_number(text.substr(at + 1)))
+              return {};
+            return "'" + text + "' must be " + form + ", with FDI numbers";
+          },
+          form};
+}
+
+/// \pre `text` passed number_pair().
+std::array<int, 2> pair_in(const std::string& text, char between) {
+  const std::size_t at = text.find(between);
+  return {std::stoi(text.substr(0, at)), std::stoi(text.substr(at + 1))};
+}
+
 void add_teeth(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::TeethJob>();
+  const auto numbers = std::make_shared<std::vector<std::string>>();
   CLI::App* const command =
       dental.add_subcommand("teeth", "Separate the teeth in a CT and number them (FDI)");
   add_head_files(*command, job->ct, job->labels, job->landmarks);
+  command
+      ->add_option("--correct", *numbers,
+                   "Correct a number: FOUND=FDI, 0 if it is no tooth; may be repeated")
+      ->check(number_pair('='));
+  command->add_option("--corrections", job->corrections,
+                      "teeth_corrections.json of an earlier run: corrected numbers");
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the numbered teeth, their axes and teeth.json"),
             PathKind::kNewFolder)
@@ -51,7 +86,11 @@ void add_teeth(CLI::App& dental, CommandContext& context) {
       "Example:\n"
       "  lefort dental teeth ct.nrrd -o teeth/\n"
       "Guide: docs/guide/dental.md. Not for clinical use.");
-  command->callback([job, &context] {
+  command->callback([job, numbers, &context] {
+    for (const std::string& one : *numbers) {
+      const auto [found, fdi] = pair_in(one, '=');
+      job->more_corrections.push_back({found, fdi});
+    }
     context.run("dental",
                 [&](Progress& progress) { return pipeline::number_teeth_of_scan(*job, progress); });
   });
@@ -71,6 +110,7 @@ void add_arches(CLI::App& command, std::filesystem::path& upper, std::filesystem
 
 void add_occlusion(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::OcclusionJob>();
+  const auto cuts = std::make_shared<std::vector<std::string>>();
   CLI::App* const command =
       dental.add_subcommand("occlusion", "Find the maximum intercuspation of two arches");
   add_arches(*command, job->upper, job->lower, job->arches);
@@ -83,6 +123,18 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
       ->add_option("--yaw", job->options.yaw_deg, "Yaw between the starts of the search [degrees]")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
+  command->add_option("--bite", job->bites,
+                      "Scan of the teeth in occlusion, from the cheek, in mm: the occlusion is "
+                      "that of the scan; may be repeated");
+  command->add_flag("--as-scanned", job->is_as_scanned,
+                    "The occlusion is that of the files of the intraoral scans; needs --arches");
+  command
+      ->add_option("--cut", *cuts,
+                   "Cut the upper arch between two teeth (FDI numbers), as 12-13: each piece gets "
+                   "its own occlusion; once or twice")
+      ->check(number_pair('-'))
+      ->expected(1, 2);
+  command->add_option("--teeth", job->teeth, "teeth.json of `lefort dental teeth`, for --cut");
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the lower arch in occlusion, contacts and transform"),
             PathKind::kNewFolder)
@@ -92,7 +144,8 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
       "  lefort dental occlusion arches/upper.stl arches/lower.stl --arches arches/arches.json "
       "-o occlusion/\n"
       "Guide: docs/guide/dental.md. Not for clinical use.");
-  command->callback([job, &context] {
+  command->callback([job, cuts, &context] {
+    for (const std::string& one : *cuts) job->cuts.push_back(pair_in(one, '-'));
     context.run("dental",
                 [&](Progress& progress) { return pipeline::find_arch_occlusion(*job, progress); });
   });

@@ -120,6 +120,8 @@ void add_guide_command(CLI::App& plan, CommandContext& context) {
             PathKind::kScan);
   command->add_option("--nerve", job->nerve,
                       "nerve.json of `lefort nerve`: canals that holes must not touch");
+  command->add_option("--tooth-corrections", job->tooth_corrections,
+                      "teeth_corrections.json of `lefort dental teeth`: corrected numbers");
   command->add_option("--segment", job->segment, "Only the guides of this segment");
   command
       ->add_option("--from", job->from,
@@ -165,6 +167,8 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       ->excludes(ct);
   command->add_option("--nerve", job->nerve,
                       "nerve.json of `lefort nerve`: canals that cuts must not touch");
+  command->add_option("--tooth-corrections", job->tooth_corrections,
+                      "teeth_corrections.json of `lefort dental teeth`: corrected numbers");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   add_limits(*command, job->limits);
   command->footer(

@@ -16,16 +16,49 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxArchesBytes = 1 << 20;
 
+tl::unexpected<Error> corrupt_arches(const fs::path& file, const std::string& what) {
+  return fail(ErrorCode::kFileCorrupt,
+              fmt::format("{}: {}; make it with `lefort dental register`", file.string(), what));
+}
+
+Result<nlohmann::json> read_arches(const fs::path& file) {
+  LEFORT_TRY(const std::string text, io::read_text(file, kMaxArchesBytes));
+  auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("lefort_arches") || json["lefort_arches"] != 1)
+    return corrupt_arches(file, "not an arches.json of version 1");
+  return json;
+}
+
+/// The motion of one intraoral scan into the frame of the CT.
+Result<RigidTransform> scan_motion(const nlohmann::json& arches, const char* jaw,
+                                   const fs::path& file) {
+  constexpr const char* kPose = "pose_4x4_row_major_mm_lps";
+  constexpr double kTolerance = 1e-3;
+  const auto arch = arches.find(jaw);
+  if (arch == arches.end())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} has no {} jaw: register both scans", file.string(), jaw));
+  if (!arch->is_object() || !arch->contains(kPose) || !(*arch)[kPose].is_array() ||
+      (*arch)[kPose].size() != 16)
+    return corrupt_arches(file, "no motion of a scan");
+  RigidTransform X = RigidTransform::Identity();
+  for (Index n = 0; n < 12; ++n) {
+    const auto& value = (*arch)[kPose][std::size_t(n)];
+    if (!value.is_number()) return corrupt_arches(file, "a motion is not a number");
+    X.matrix()(n / 4, n % 4) = value.get<double>();
+  }
+  const Mat3 R = X.linear();
+  if (!X.matrix().allFinite() ||
+      !((R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff() < kTolerance) ||
+      R.determinant() < 0.0)
+    return corrupt_arches(file, "a motion is not rigid");
+  return X;
+}
+
 /// The directions of the upper arch, or else of the lower one.
 Result<ArchDirections> directions_in(const fs::path& file) {
-  LEFORT_TRY(const std::string text, io::read_text(file, kMaxArchesBytes));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  const auto corrupt = [&](const std::string& what) {
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: {}; make it with `lefort dental register`", file.string(), what));
-  };
-  if (!json.is_object() || !json.contains("lefort_arches") || json["lefort_arches"] != 1)
-    return corrupt("not an arches.json of version 1");
+  LEFORT_TRY(const nlohmann::json json, read_arches(file));
+  const auto corrupt = [&](const std::string& what) { return corrupt_arches(file, what); };
   const bool is_upper = json.contains("upper");
   const auto arch = json.find(is_upper ? "upper" : "lower");
   if (arch == json.end() || !arch->is_object()) return corrupt("no jaw");
@@ -49,6 +82,13 @@ Result<ArchDirections> directions_in(const fs::path& file) {
 }
 
 }  // namespace
+
+Result<RigidTransform> scanned_occlusion(const fs::path& arches) {
+  LEFORT_TRY(const nlohmann::json json, read_arches(arches));
+  LEFORT_TRY(const RigidTransform X_L_upper, scan_motion(json, "upper", arches));
+  LEFORT_TRY(const RigidTransform X_L_lower, scan_motion(json, "lower", arches));
+  return RigidTransform(X_L_upper * X_L_lower.inverse());
+}
 
 Result<ArchDirections> read_arch_directions(const std::optional<fs::path>& arches) {
   if (!arches) return ArchDirections{};

@@ -23,4 +23,10 @@ struct ArchDirections {
 [[nodiscard]] Result<ArchDirections> read_arch_directions(
     const std::optional<std::filesystem::path>& arches);
 
+/// \param arches  arches.json of register_arches() with both jaws.
+/// \returns the movement of the lower arch that puts it where it is in the files of the intraoral
+///   scans, relative to the upper one; or kInvalidArgument, kFileCorrupt or an error of
+///   io::read_text().
+[[nodiscard]] Result<RigidTransform> scanned_occlusion(const std::filesystem::path& arches);
+
 }  // namespace lefort::pipeline

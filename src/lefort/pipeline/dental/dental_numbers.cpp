@@ -1,4 +1,5 @@
 #include <lefort/pipeline/dental/dental_numbers.h>
+#include <lefort/pipeline/dental/teeth_file.h>
 #include <lefort/plan/head_directions.h>
 
 namespace lefort::pipeline {
@@ -12,6 +13,17 @@ std::optional<dental::NumberedTeeth> dental_numbers(const anatomy::ToothMap& tee
       return dental::number_teeth(
           teeth, {directions->left_L, directions->anterior_L, directions->superior_L, *midline_L});
   return std::nullopt;
+}
+
+Result<std::optional<dental::NumberedTeeth>> corrected_numbers(
+    const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks,
+    const std::optional<std::filesystem::path>& corrections) {
+  LEFORT_TRY(const auto corrected, read_tooth_corrections(corrections));
+  auto found = dental_numbers(teeth, landmarks);
+  if (found) {
+    LEFORT_TRY(*found, dental::renumbered(*std::move(found), corrected));
+  }
+  return found;
 }
 
 }  // namespace lefort::pipeline

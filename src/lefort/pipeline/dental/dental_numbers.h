@@ -3,9 +3,11 @@
 #pragma once
 
 #include <lefort/anatomy/find_teeth.h>
+#include <lefort/core/error.h>
 #include <lefort/dental/number_teeth.h>
 #include <lefort/plan/landmarks.h>
 
+#include <filesystem>
 #include <optional>
 #include <span>
 
@@ -15,5 +17,13 @@ namespace lefort::pipeline {
 ///   or if the directions of the head are not known.
 [[nodiscard]] std::optional<dental::NumberedTeeth> dental_numbers(
     const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks);
+
+/// As above, with corrected numbers.
+///
+/// \param corrections  teeth_corrections.json; none: no corrections.
+/// \returns the teeth; or the errors of read_tooth_corrections() and dental::renumbered().
+[[nodiscard]] Result<std::optional<dental::NumberedTeeth>> corrected_numbers(
+    const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks,
+    const std::optional<std::filesystem::path>& corrections);
 
 }  // namespace lefort::pipeline

@@ -1,6 +1,8 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/dental/check_arch.h>
+#include <lefort/dental/cut_arch.h>
+#include <lefort/dental/register_bite.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/output_folder.h>
@@ -10,9 +12,14 @@
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/dental/arch_directions.h>
 #include <lefort/pipeline/dental/dental_json.h>
+#include <lefort/pipeline/dental/teeth_file.h>
 #include <lefort/pipeline/json/json_values.h>
 
 #include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
@@ -28,15 +35,102 @@ nlohmann::json movement_json(const dental::Occlusion& found, const dental::ArchA
           {"rotation_deg", degrees_from_radians(turn.norm())}};
 }
 
+Result<void> check_job(const OcclusionJob& job) {
+  if (job.is_as_scanned && !job.arches)
+    return fail(ErrorCode::kInvalidArgument,
+                "--as-scanned needs --arches: it has the motions of both scans");
+  if (job.is_as_scanned && !job.bites.empty())
+    return fail(ErrorCode::kInvalidArgument, "give --as-scanned or --bite, not both");
+  if (!job.cuts.empty() && !job.teeth)
+    return fail(ErrorCode::kInvalidArgument,
+                "--cut needs --teeth: teeth.json of `lefort dental teeth`");
+  return {};
+}
+
+/// An occlusion, and where it comes from.
+struct FoundOcclusion {
+  dental::Occlusion occlusion;
+  std::string text;
+  nlohmann::json bites = nlohmann::json::array();
+};
+
+Result<FoundOcclusion> bite_occlusion(const OcclusionJob& job, const dental::Arches& arches,
+                                      const dental::ArchAxes& axes, Progress& progress) {
+  std::vector<geometry::TriangleMesh> bites;
+  for (const auto& file : job.bites) {
+    LEFORT_TRY(geometry::TriangleMesh bite, io::read_surface(file, progress));
+    bites.push_back(std::move(bite));
+  }
+  LEFORT_TRY(
+      const dental::Bite bite,
+      dental::register_bite(arches.upper.mesh(), arches.lower.mesh(), axes, bites, progress));
+  FoundOcclusion found{dental::measure_occlusion(arches, bite.X_L_lower, axes), "of the bite scan"};
+  for (const dental::BiteFit& fit : bite.fits) {
+    found.bites.push_back({{"upper_rms_mm", fit.upper_rms_mm},
+                           {"lower_rms_mm", fit.lower_rms_mm},
+                           {"fraction", fit.fraction}});
+    found.text += fmt::format(" (RMS {:.2f} and {:.2f} mm, {:.0f} % of it on the arches)",
+                              fit.upper_rms_mm, fit.lower_rms_mm, 100.0 * fit.fraction);
+  }
+  return found;
+}
+
+Result<FoundOcclusion> occlusion_of(const OcclusionJob& job, const dental::Arches& arches,
+                                    const dental::ArchAxes& axes, Progress& progress) {
+  if (!job.bites.empty()) return bite_occlusion(job, arches, axes, progress);
+  if (job.is_as_scanned) {
+    LEFORT_TRY(const RigidTransform X, scanned_occlusion(*job.arches));
+    return FoundOcclusion{dental::measure_occlusion(arches, X, axes), "as the files were scanned"};
+  }
+  LEFORT_TRY(dental::Occlusion searched,
+             dental::find_occlusion(arches.upper.mesh(), arches.lower.mesh(), axes, job.options,
+                                    progress));
+  return FoundOcclusion{std::move(searched), "maximum intercuspation"};
+}
+
+/// Moves each piece of the upper arch to its occlusion with the lower arch, which stays.
+Result<void> add_pieces(const OcclusionJob& job, const geometry::TriangleMesh& upper_L,
+                        const geometry::TriangleMesh& lower_L, const dental::ArchAxes& axes,
+                        Summary& summary, Progress& progress) {
+  LEFORT_TRY(const auto crowns_L, read_crowns(*job.teeth));
+  LEFORT_TRY(const auto pieces, dental::cut_arch(upper_L, crowns_L, job.cuts));
+  // A piece takes the part of the lower arch.
+  const dental::ArchAxes turned{-axes.superior_L, axes.anterior_L};
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t n = 0; n < pieces.size(); ++n) {
+    LEFORT_TRY(const dental::Occlusion found,
+               dental::find_occlusion(lower_L, pieces[n], turned, job.options, progress));
+    const std::string name = fmt::format("piece_{}", n + 1);
+    LEFORT_TRY_VOID(io::write_surface(job.output / (name + ".stl"),
+                                      geometry::transformed(pieces[n], found.X_L_lower)));
+    LEFORT_TRY_VOID(io::write_transform(job.output / (name + ".tfm"), found.X_L_lower));
+    nlohmann::json movement = movement_json(found, axes, dental::mean_vertex(pieces[n]));
+    summary.text += fmt::format(
+        "\n  {}: {:.1f} mm anterior, {:.1f} mm left, {:.1f} mm superior, {:.1f} degrees", name,
+        movement["anterior_mm"].get<double>(), movement["left_mm"].get<double>(),
+        movement["superior_mm"].get<double>(), movement["rotation_deg"].get<double>());
+    list.push_back({{"name", name},
+                    {"pose_4x4_row_major_mm_lps", as_json(found.X_L_lower)},
+                    {"movement", std::move(movement)},
+                    {"max_penetration_mm", found.contacts.max_penetration_mm}});
+  }
+  summary.json["pieces"] = std::move(list);
+  return {};
+}
+
 }  // namespace
 
 Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress) {
+  LEFORT_TRY_VOID(check_job(job));
   LEFORT_TRY(const geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
   LEFORT_TRY(const geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
   LEFORT_TRY(const ArchDirections directions, read_arch_directions(job.arches));
   const dental::ArchAxes& axes = directions.axes;
-  LEFORT_TRY(const dental::Occlusion found,
-             dental::find_occlusion(upper_L, lower_L, axes, job.options, progress));
+  LEFORT_TRY_VOID(dental::check_arch(upper_L, "upper", -axes.superior_L));
+  LEFORT_TRY_VOID(dental::check_arch(lower_L, "lower", axes.superior_L));
+  const dental::Arches arches{geometry::Bvh(upper_L), geometry::Bvh(lower_L)};
+  LEFORT_TRY(const FoundOcclusion from, occlusion_of(job, arches, axes, progress));
+  const dental::Occlusion& found = from.occlusion;
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(
       io::write_surface(job.output / "lower.stl", geometry::transformed(lower_L, found.X_L_lower)));
@@ -48,6 +142,8 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   Summary summary;
   summary.json = {{"lefort_occlusion", 1},
                   {"notice", kNotForClinicalUse},
+                  {"source", from.text},
+                  {"bites", from.bites},
                   {"pose_4x4_row_major_mm_lps", as_json(found.X_L_lower)},
                   {"movement", movement_json(found, axes, dental::mean_vertex(lower_L))},
                   {"contacts",
@@ -58,11 +154,18 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
                   {"overjet_mm", number_or_null(found.overjet_mm)},
                   {"overbite_mm", number_or_null(found.overbite_mm)}};
   summary.text = fmt::format(
-      "{}: contact on {:.1f} mm2 (right {:.1f}, left {:.1f}) in {} patches, penetration {:.2f} mm, "
+      "{}, {}: contact on {:.1f} mm2 (right {:.1f}, left {:.1f}) in {} patches, penetration {:.2f} "
+      "mm, "
       "overjet {:.1f} mm, overbite {:.1f} mm (edge to edge)",
-      job.output.string(), contacts.left_mm2 + contacts.right_mm2, contacts.right_mm2,
+      job.output.string(), from.text, contacts.left_mm2 + contacts.right_mm2, contacts.right_mm2,
       contacts.left_mm2, contacts.patches, contacts.max_penetration_mm, found.overjet_mm,
       found.overbite_mm);
+  if (contacts.max_penetration_mm > dental::kMaxOcclusalPenetration_mm)
+    summary.text += fmt::format("\n  warning: the arches penetrate by more than {:g} mm",
+                                dental::kMaxOcclusalPenetration_mm);
+  if (!job.cuts.empty())
+    LEFORT_TRY_VOID(add_pieces(job, upper_L, geometry::transformed(lower_L, found.X_L_lower), axes,
+                               summary, progress));
   LEFORT_TRY_VOID(io::write_text(job.output / "occlusion.json", summary.json.dump(1) + "\n"));
   return summary;
 }

@@ -7,6 +7,7 @@
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/dental/dental_numbers.h>
+#include <lefort/pipeline/dental/teeth_file.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/prepare/oriented_head.h>
 
@@ -76,13 +77,16 @@ plan::Landmarks points_of(const std::vector<dental::NumberedTooth>& teeth) {
 Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
   const std::array<std::string, 5> needed{"N", "Or-R", "Or-L", "Po-R", "Po-L"};
   const std::array<std::filesystem::path, 1> written{job.output / "teeth.mrk.json"};
+  LEFORT_TRY(std::vector<dental::ToothCorrection> corrections,
+             read_tooth_corrections(job.corrections));
+  corrections.insert(corrections.end(), job.more_corrections.begin(), job.more_corrections.end());
   if (job.landmarks) LEFORT_TRY_VOID(io::check_inputs_are_distinct({&*job.landmarks, 1}, written));
   LEFORT_TRY(const OrientedHead head,
              oriented_head({job.ct, job.labels, job.landmarks}, needed, progress));
   progress.begin_stage("number the teeth");
   const anatomy::ToothMap teeth =
       anatomy::find_teeth(head.scanned.scan.ct, head.scanned.labels, head.scanned.levels.bone_hu);
-  const auto found = dental_numbers(teeth, head.landmarks);
+  auto found = dental_numbers(teeth, head.landmarks);
   if (!found)
     return fail(ErrorCode::kAnatomyMissing,
                 "no landmark of the mid-sagittal plane (N, ANS, A): give one in a file "
@@ -92,7 +96,10 @@ Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
         ErrorCode::kAnatomyMissing,
         "no teeth are found: both jaws must be in the scan and in the labels, and the teeth "
         "must show enamel");
+  LEFORT_TRY(*found, dental::renumbered(*std::move(found), corrections));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  if (!corrections.empty())
+    LEFORT_TRY_VOID(write_tooth_corrections(job.output / "teeth_corrections.json", corrections));
   LEFORT_TRY_VOID(io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found->numbers));
   LEFORT_TRY_VOID(io::write_landmarks(job.output / "teeth.mrk.json", points_of(found->teeth)));
   LEFORT_TRY_VOID(io::write_text(job.output / "teeth.csv", teeth_csv(found->teeth)));

@@ -71,6 +71,7 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   std::vector<fs::path> inputs{job.plan};
   if (job.skull) inputs.push_back(*job.skull);
   if (job.nerve) inputs.push_back(*job.nerve);
+  if (job.tooth_corrections) inputs.push_back(*job.tooth_corrections);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
   for (const std::string& name : io::files_of_plan(text.json))
     inputs.push_back(job.plan.parent_path() / name);
@@ -151,15 +152,19 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
 }
 
 /// Adds the cuts that pass close to teeth, if these are known.
-void add_root_findings(const Bones& bones, const plan::CutSegments& cut, const io::PlanFile& plan,
-                       double limit_mm, predict::PlanCheck& check) {
-  if (!bones.teeth) return;
-  const auto numbered = dental_numbers(*bones.teeth, plan.landmarks);
+Result<void> add_root_findings(const CheckPlanJob& job, const Bones& bones,
+                               const plan::CutSegments& cut, const io::PlanFile& plan,
+                               predict::PlanCheck& check) {
+  if (!bones.teeth) return {};
+  const double limit_mm = job.limits.root_mm;
+  LEFORT_TRY(const auto numbered,
+             corrected_numbers(*bones.teeth, plan.landmarks, job.tooth_corrections));
   for (const predict::RootDistance& root :
        predict::root_distances(cut, plan.segments, bones.labels, *bones.teeth,
                                numbered ? &numbered->numbers : nullptr, limit_mm))
     check.findings.push_back(
         {predict::FindingKind::kToothRoot, root.segment, predict::describe(root, limit_mm)});
+  return {};
 }
 
 /// Distances that are reported; findings only below the limit.
@@ -325,7 +330,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   progress.begin_stage("check bone overlap");
   LEFORT_TRY(predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
-  add_root_findings(before, cut, plan, job.limits.root_mm, check);
+  LEFORT_TRY_VOID(add_root_findings(job, before, cut, plan, check));
   const nlohmann::json nerve =
       add_nerve_findings(nerves.canals, cut, plan, job.limits.nerve_mm, check);
 

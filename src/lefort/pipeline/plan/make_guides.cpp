@@ -3,6 +3,7 @@
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental/dental_json.h>
@@ -30,6 +31,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kGuidesFile = "guides.json";
+constexpr const char* kHolesBefore = "holes_before.mrk.json";
+constexpr const char* kHolesAfter = "holes_after.mrk.json";
 /// A shorter line needs no guide.
 constexpr double kMinLine_mm = 12.0;
 /// A guide that touches more than this on its way does not fit.
@@ -125,7 +129,10 @@ Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
   anatomy::ToothMap teeth{head.labels.grid, {}};
   if (has_mandible(head.labels))
     teeth = anatomy::find_teeth(head.scan.ct, head.labels, head.levels.bone_hu);
-  auto numbers = teeth.values.empty() ? std::nullopt : dental_numbers(teeth, text.plan.landmarks);
+  std::optional<dental::NumberedTeeth> numbers;
+  if (!teeth.values.empty()) {
+    LEFORT_TRY(numbers, corrected_numbers(teeth, text.plan.landmarks, job.tooth_corrections));
+  }
   return GuideHead{std::move(text.plan), directions,       geometry::Bvh(std::move(head.skull_L)),
                    std::move(cut),       std::move(teeth), std::move(numbers),
                    std::move(nerves)};
@@ -288,9 +295,26 @@ std::string guide_text(const NamedGuide& one, const GuideJob& job) {
   return text;
 }
 
+/// Removes the guides of an earlier run, which guides.json names.
+Result<void> remove_earlier_guides(const fs::path& folder) {
+  constexpr std::size_t kMost = 1 << 20;
+  const auto text = io::read_text(folder / kGuidesFile, kMost);
+  if (!text) return {};
+  const auto earlier = nlohmann::json::parse(*text, nullptr, false);
+  if (!earlier.is_object() || !earlier.contains("lefort_guides")) return {};
+  std::vector<fs::path> files{folder / kHolesBefore, folder / kHolesAfter};
+  for (const auto& guide : earlier.value("guides", nlohmann::json::array())) {
+    const std::string name = guide.is_object() ? guide.value("file", "") : "";
+    if (name.starts_with("guide_") && name.ends_with(".stl") && fs::path(name).filename() == name)
+      files.push_back(folder / name);
+  }
+  return io::remove_earlier_files(files);
+}
+
 Result<void> write_guides(const fs::path& folder, const std::vector<NamedGuide>& guides,
                           const nlohmann::json& result) {
   LEFORT_TRY_VOID(io::make_output_folder(folder));
+  LEFORT_TRY_VOID(remove_earlier_guides(folder));
   plan::Landmarks before, after;
   for (const NamedGuide& one : guides) {
     LEFORT_TRY_VOID(
@@ -301,10 +325,10 @@ Result<void> write_guides(const fs::path& folder, const std::vector<NamedGuide>&
     }
   }
   if (!before.empty()) {
-    LEFORT_TRY_VOID(io::write_landmarks(folder / "holes_before.mrk.json", before));
-    LEFORT_TRY_VOID(io::write_landmarks(folder / "holes_after.mrk.json", after));
+    LEFORT_TRY_VOID(io::write_landmarks(folder / kHolesBefore, before));
+    LEFORT_TRY_VOID(io::write_landmarks(folder / kHolesAfter, after));
   }
-  return io::write_text(folder / "guides.json", result.dump(1) + "\n");
+  return io::write_text(folder / kGuidesFile, result.dump(1) + "\n");
 }
 
 }  // namespace
