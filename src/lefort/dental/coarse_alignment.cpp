@@ -52,13 +52,13 @@ double quantile_of(const std::vector<double>& off, double quantile) {
 }
 
 Alignment iterate_coarsely(const std::vector<PointWithNormal>& points, const geometry::Bvh& surface,
-                           const Vec3& center, const RigidTransform& X, double quantile) {
-  constexpr int kIterations = 15;
+                           const Vec3& center, const RigidTransform& X,
+                           const CoarseOptions& options) {
   constexpr double kTukeyWidth = 4.685 * 1.4826, kMinWidth_mm = 0.3, kMaxWidth_mm = 10.0;
   Alignment now{X};
-  for (int n = 0; n < kIterations; ++n) {
+  for (int n = 0; n < options.iterations; ++n) {
     const Distances at = distances_at(points, surface, center, now.X);
-    now.off_mm = quantile_of(at.off, quantile);
+    now.off_mm = quantile_of(at.off, options.quantile);
     const double width_mm =
         std::isfinite(now.off_mm) ? std::max(kTukeyWidth * now.off_mm, kMinWidth_mm) : kMaxWidth_mm;
     Mat6 A = Mat6::Identity() * 1e-3;
@@ -90,13 +90,14 @@ std::vector<PointWithNormal> points_with_normals(const geometry::TriangleMesh& m
 
 std::vector<Alignment> align_coarsely(const std::vector<PointWithNormal>& points,
                                       const geometry::Bvh& surface, const Vec3& center,
-                                      const std::vector<RigidTransform>& starts, double quantile) {
+                                      const std::vector<RigidTransform>& starts,
+                                      const CoarseOptions& options) {
   std::vector<Alignment> ends(starts.size());
   parallel_for(
       Index(starts.size()),
       [&](Index n) {
         ends[std::size_t(n)] =
-            iterate_coarsely(points, surface, center, starts[std::size_t(n)], quantile);
+            iterate_coarsely(points, surface, center, starts[std::size_t(n)], options);
       },
       1);
   std::stable_sort(ends.begin(), ends.end(),

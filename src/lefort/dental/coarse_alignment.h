@@ -29,19 +29,24 @@ struct Alignment {
   double off_mm = std::numeric_limits<double>::infinity();
 };
 
-/// From each start 15 iterations of closest points with point-to-plane distances \cite chen1992 and
+struct CoarseOptions {
+  double quantile = 0.5;  ///< At least this part of the points has a counterpart; 0 to 0.5.
+  int iterations = 15;
+};
+
+/// From each start some iterations of closest points with point-to-plane distances \cite chen1992 and
 /// Tukey's weights, whose width follows a quantile of the distances.
 ///
 /// \param points    of the object.
 /// \param surface   the one to register with; closed or open.
 /// \param center    about which rotations are counted.
 /// \param starts    maps of the points onto the surface.
-/// \param quantile  part of the points with a counterpart, at least; 0 to 0.5.
+/// \param options   quantile and iterations.
 /// \returns the ends, the closest first; same bits for any number of threads.
 [[nodiscard]] std::vector<Alignment> align_coarsely(const std::vector<PointWithNormal>& points,
                                                     const geometry::Bvh& surface,
                                                     const Vec3& center,
                                                     const std::vector<RigidTransform>& starts,
-                                                    double quantile = 0.5);
+                                                    const CoarseOptions& options = {});
 
 }  // namespace lefort::dental

@@ -23,7 +23,7 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 /// A bite scan has about a third of its vertices on each arch at least.
-constexpr double kPartOfArch = 0.3;
+constexpr CoarseOptions kPartOfArch{.quantile = 0.3}, kFirstLook{.quantile = 0.3, .iterations = 5};
 constexpr double kOnArch_mm = 0.5;
 constexpr double kMinOnArches = 0.6;
 
@@ -133,19 +133,37 @@ double fraction_on(const std::vector<PointWithNormal>& points, const Arches& arc
   return double(near) / double(points.size());
 }
 
+/// The points that do not lie on an arch.
+std::vector<PointWithNormal> not_on(const Bvh& arch, const RigidTransform& X,
+                                    std::vector<PointWithNormal> points) {
+  std::erase_if(points, [&](const PointWithNormal& one) {
+    return distance_from(arch, X * one.point, X.linear() * one.normal) < kOnArch_mm;
+  });
+  return points;
+}
+
 BiteAlignment aligned(const TriangleMesh& bite, const Arches& arches, const ArchAxes& axes) {
-  constexpr std::size_t kCandidates = 12;
+  constexpr std::size_t kKept = 150, kNear = 4, kCandidates = 12, kMinRest = 30;
   const Vec3 center = mean_vertex(bite);
-  const auto few = points_with_normals(bite, 120), many = points_with_normals(bite, 400);
-  const auto ends = align_coarsely(few, arches.upper, center,
-                                   starts_on(arches.upper.mesh(), axes, few, center), kPartOfArch);
+  const auto fewest = points_with_normals(bite, 60), few = points_with_normals(bite, 120),
+             many = points_with_normals(bite, 400);
+  const auto first = align_coarsely(fewest, arches.upper, center,
+                                    starts_on(arches.upper.mesh(), axes, few, center), kFirstLook);
+  std::vector<RigidTransform> kept;
+  for (std::size_t n = 0; n < std::min(kKept, first.size()); ++n) kept.push_back(first[n].X);
+  auto ends = align_coarsely(few, arches.upper, center, kept, kPartOfArch);
+  // Teeth of similar size also fit beside each other.
+  std::vector<RigidTransform> beside;
+  for (std::size_t n = 0; n < std::min(kNear, ends.size()); ++n)
+    for (const RigidTransform& X : shifted(ends[n].X, axes)) beside.push_back(X);
+  ends = align_coarsely(few, arches.upper, center, beside, kPartOfArch);
   BiteAlignment best;
   for (std::size_t n = 0; n < std::min(kCandidates, ends.size()); ++n) {
     BiteAlignment one{
         align_coarsely(many, arches.upper, center, {ends[n].X}, kPartOfArch).front().X};
-    const auto lower =
-        align_coarsely(few, arches.lower, center, shifted(one.X_upper, axes), kPartOfArch);
-    one.X_lower = align_coarsely(many, arches.lower, center, {lower[0].X}, kPartOfArch).front().X;
+    const auto rest = not_on(arches.upper, one.X_upper, many);
+    if (rest.size() < kMinRest) continue;
+    one.X_lower = align_coarsely(rest, arches.lower, center, shifted(one.X_upper, axes)).front().X;
     one.fraction = fraction_on(many, arches, one);
     if (one.fraction > best.fraction) best = one;
   }
