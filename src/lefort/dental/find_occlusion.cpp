@@ -269,7 +269,7 @@ Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches, con
 
 /// An end of the search.
 struct SearchEnd {
-  RigidTransform X;
+  RigidTransform X = RigidTransform::Identity();
   double cost = 0.0;
 };
 
@@ -306,7 +306,10 @@ Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches, const A
 /// Refines the best ends with exact gaps. \returns that with the lowest cost.
 Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes,
                               const OcclusionOptions& options, Progress& progress) {
-  LEFORT_TRY(const std::vector<SearchEnd> ends, coarse_ends(arches, axes, options, progress));
+  std::vector<SearchEnd> ends(1);
+  if (!options.is_close) {
+    LEFORT_TRY(ends, coarse_ends(arches, axes, options, progress));
+  }
   progress.begin_stage("refine the occlusion");
   std::optional<RigidTransform> best;
   double best_cost = std::numeric_limits<double>::infinity();

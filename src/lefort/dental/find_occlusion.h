@@ -11,9 +11,12 @@
 namespace lefort::dental {
 
 struct OcclusionOptions {
-  double shift_mm =
-      2.0;               ///< Between the five starts along each axis of the occlusal plane; 0 to 5.
+  /// Between the five starts along each axis of the occlusal plane; 0 to 5.
+  double shift_mm = 2.0;
   double yaw_deg = 3.0;  ///< Between the five starts about the superior direction; 0 to 10.
+  /// The arches are close to the occlusion: only the last stages, from the given position, for a
+  /// piece of an arch, which would fit at other teeth, too.
+  bool is_close = false;
 };
 
 /// Moves the lower arch to the position in which both arches are as close as possible, without

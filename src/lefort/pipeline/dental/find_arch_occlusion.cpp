@@ -96,10 +96,12 @@ Result<void> add_pieces(const OcclusionJob& job, const geometry::TriangleMesh& u
   LEFORT_TRY(const auto pieces, dental::cut_arch(upper_L, crowns_L, job.cuts));
   // A piece takes the part of the lower arch.
   const dental::ArchAxes turned{-axes.superior_L, axes.anterior_L};
+  dental::OcclusionOptions options = job.options;
+  options.is_close = true;
   nlohmann::json list = nlohmann::json::array();
   for (std::size_t n = 0; n < pieces.size(); ++n) {
     LEFORT_TRY(const dental::Occlusion found,
-               dental::find_occlusion(lower_L, pieces[n], turned, job.options, progress));
+               dental::find_occlusion(lower_L, pieces[n], turned, options, progress));
     const std::string name = fmt::format("piece_{}", n + 1);
     LEFORT_TRY_VOID(io::write_surface(job.output / (name + ".stl"),
                                       geometry::transformed(pieces[n], found.X_L_lower)));
