@@ -3,6 +3,7 @@
 #include <lefort/pipeline/guide.h>
 #include <lefort/pipeline/optimize.h>
 #include <lefort/pipeline/plan.h>
+#include <lefort/pipeline/variants.h>
 
 #include <memory>
 
@@ -139,14 +140,39 @@ void add_guide_command(CLI::App& plan, CommandContext& context) {
   });
 }
 
+void add_variants_command(CLI::App& plan, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::VariantsJob>();
+  CLI::App* const command =
+      plan.add_subcommand("variants", "Put several plans of one case side by side");
+  command
+      ->add_option("folders", job->folders,
+                   "Two to four folders, one for each plan and named by it: with check/ of `lefort "
+                   "plan check`, and prediction/ of `lefort predict` if there is one")
+      ->required()
+      ->expected(2, 4);
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for variants.html, .pdf, .csv and .json"),
+            PathKind::kNewFolder)
+      ->required();
+  command->footer(
+      "Example:\n"
+      "  lefort plan variants one-jaw/ two-jaws/ -o side-by-side/\n"
+      "Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("plan variants",
+                [&](Progress& progress) { return pipeline::compare_variants(*job, progress); });
+  });
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& cli, CommandContext& context) {
-  CLI::App* const plan =
-      cli.add_subcommand("plan", "Osteotomies and bone movements: check, optimize, guides");
+  CLI::App* const plan = cli.add_subcommand(
+      "plan", "Osteotomies and bone movements: check, optimize, guides, variants");
   plan->require_subcommand(1);
   add_optimize_command(*plan, context);
   add_guide_command(*plan, context);
+  add_variants_command(*plan, context);
   const auto job = std::make_shared<pipeline::CheckPlanJob>();
   const auto no_pictures = std::make_shared<bool>(false);
   CLI::App* const command = plan->add_subcommand(

@@ -14,17 +14,10 @@
 namespace lefort::pipeline {
 namespace {
 
-/// "5.0 forward"; nothing below 0.05 mm.
-std::string in_words(double value, const char* positive, const char* negative) {
-  constexpr double kShown = 0.05;
-  if (std::abs(value) < kShown) return "-";
-  return fmt::format("{:.1f} {}", std::abs(value), value > 0.0 ? positive : negative);
-}
-
 std::vector<std::string> movement_cells(const std::string& name, const plan::MovementTerms& terms) {
-  return {name, in_words(terms.anterior_mm, "forward", "back"),
-          in_words(terms.superior_mm, "up", "down"),
-          in_words(terms.left_mm, "to left", "to right")};
+  return {name, movement_in_words(terms.anterior_mm, "forward", "back"),
+          movement_in_words(terms.superior_mm, "up", "down"),
+          movement_in_words(terms.left_mm, "to left", "to right")};
 }
 
 nlohmann::json terms_json(const plan::MovementTerms& terms) {
@@ -62,15 +55,21 @@ report::ReportTable rotations_table(std::span<const MovementOfSegment> movements
       {}};
   for (const MovementOfSegment& one : movements) {
     std::vector<std::string> row = movement_cells(one.segment, one.whole);
-    row.push_back(in_words(one.whole.yaw_deg, "front to left", "front to right"));
-    row.push_back(in_words(one.whole.pitch_deg, "front down", "front up"));
-    row.push_back(in_words(one.whole.roll_deg, "left side up", "left side down"));
+    row.push_back(movement_in_words(one.whole.yaw_deg, "front to left", "front to right"));
+    row.push_back(movement_in_words(one.whole.pitch_deg, "front down", "front up"));
+    row.push_back(movement_in_words(one.whole.roll_deg, "left side up", "left side down"));
     table.rows.push_back(std::move(row));
   }
   return table;
 }
 
 }  // namespace
+
+std::string movement_in_words(double value, const char* positive, const char* negative) {
+  constexpr double kShown = 0.05;
+  if (std::abs(value) < kShown) return "-";
+  return fmt::format("{:.1f} {}", std::abs(value), value > 0.0 ? positive : negative);
+}
 
 std::vector<MovementOfSegment> segment_movements(const plan::HeadDirections& directions,
                                                  const plan::Landmarks& landmarks,

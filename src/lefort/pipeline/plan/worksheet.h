@@ -39,6 +39,10 @@ struct WorksheetNotes {
   bool has_frankfurt_horizontal = false;
 };
 
+/// "5.0 forward" or "5.0 back"; "-" below 0.05 mm.
+[[nodiscard]] std::string movement_in_words(double value, const char* positive,
+                                            const char* negative);
+
 [[nodiscard]] nlohmann::json movements_json(std::span<const MovementOfSegment> movements);
 
 /// `segment,point,anterior_mm,left_mm,superior_mm,yaw_deg,pitch_deg,roll_deg`; the point is a
