@@ -68,6 +68,67 @@ TEST(DentalCommand, finds_the_occlusion_and_makes_a_splint) {
       << thin.out;
 }
 
+/// arches.json of scans whose files were in occlusion, moved by different motions.
+void write_arches_json(const fs::path& file, double lower_shift_mm) {
+  const auto arch = [](double shift_mm, double up) {
+    return nlohmann::json{
+        {"pose_4x4_row_major_mm_lps", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, shift_mm, 0, 0, 0, 1}},
+        {"occlusal", {0, 0, up}},
+        {"anterior", {0, -1, 0}}};
+  };
+  const nlohmann::json arches{
+      {"lefort_arches", 1}, {"upper", arch(0.0, -1.0)}, {"lower", arch(lower_shift_mm, 1.0)}};
+  ASSERT_TRUE(io::write_text(file, arches.dump()));
+}
+
+TEST(DentalCommand, takes_the_occlusion_of_the_scanner_and_cuts_the_upper_arch) {
+  const test::TemporaryFolder folder;
+  write_arches(folder.path(), 3.0);
+  write_arches_json(folder.path() / "arches.json", -3.0);
+  nlohmann::json teeth = nlohmann::json::array();
+  for (const int fdi : {17, 16, 15, 14, 13, 12, 11, 21, 22, 23, 24, 25, 26, 27}) {
+    const double t = (fdi < 20 ? -1.0 : 1.0) * (fdi % 10 - 0.5) / 7.0;
+    teeth.push_back({{"fdi", fdi}, {"crown", {27.0 * t, 42.0 * t * t, 4.0}}});
+  }
+  ASSERT_TRUE(io::write_text(folder.path() / "teeth.json",
+                             nlohmann::json{{"lefort_teeth", 1}, {"teeth", teeth}}.dump()));
+  const auto given = [&](const std::string& name) {
+    return "'" + (folder.path() / name).string() + "' ";
+  };
+  const std::string command =
+      "dental occlusion " + arches_of(folder.path()) + " --quiet --arches " + given("arches.json");
+  const auto done = run_lefort(command + "--as-scanned --cut 11-21 --teeth " + given("teeth.json") +
+                               "--json -o " + given("out"));
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const auto json = nlohmann::json::parse(done.out);
+  EXPECT_NEAR(json.at("movement").at("superior_mm").get<double>(), 3.0, 1e-9);
+  EXPECT_EQ(json.at("source"), "as the files were scanned");
+  ASSERT_EQ(json.at("pieces").size(), 2U);
+  for (const auto& piece : json.at("pieces")) {  // The arch was in occlusion.
+    EXPECT_NEAR(piece.at("movement").at("superior_mm").get<double>(), 0.0, 0.15);
+    EXPECT_LT(piece.at("movement").at("rotation_deg").get<double>(), 1.0);
+  }
+  EXPECT_TRUE(fs::exists(folder.path() / "out/piece_2.tfm"));
+
+  const auto refused = [&](const std::string& arguments, int exit_code, const std::string& why) {
+    const auto result = run_lefort(arguments + " -o " + given("refused"));
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.error;
+    EXPECT_NE(result.error.find(why), std::string::npos) << result.error;
+    EXPECT_FALSE(fs::exists(folder.path() / "refused"));
+  };
+  const std::string plain = "dental occlusion " + arches_of(folder.path()) + " --quiet ";
+  refused(plain + "--as-scanned", 1, "--as-scanned needs --arches");
+  refused(command + "--as-scanned --cut 11-21", 1, "--cut needs --teeth");
+  refused(command + "--cut eleven", 2, "NUMBER-NUMBER");
+  refused(command + "--as-scanned --cut 11-13 --teeth " + given("teeth.json"), 1,
+          "are not two adjacent upper teeth");
+  refused(command + "--bite " + given("upper.stl"), 1, "of the bite scan lies on the arches");
+  ASSERT_TRUE(io::write_text(folder.path() / "arches.json",
+                             "{\"lefort_arches\": 1, \"upper\": {\"occlusal\": [0, 0, -1], "
+                             "\"anterior\": [0, -1, 0]}}"));
+  refused(command + "--as-scanned", 1, "no motion of a scan");
+}
+
 TEST(DentalCommand, refuses_files_in_one_line) {
   const test::TemporaryFolder folder;
   write_arches(folder.path(), 3.0);

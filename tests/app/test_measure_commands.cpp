@@ -5,6 +5,7 @@
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
+#include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
@@ -18,8 +19,11 @@
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "support/run_program.h"
+#include "support/shapes.h"
 #include "support/temporary_folder.h"
 
 namespace lefort::app::test_measure_commands {
@@ -91,6 +95,57 @@ TEST_F(MeasureCommands, airway_of_known_radius) {
   const auto lines = std::count(std::istreambuf_iterator<char>(table), {}, '\n');
   EXPECT_NEAR(double(lines), length_mm + 2.0, 2.0);
   EXPECT_TRUE(fs::exists(path("airway") / "airway.svg"));
+}
+
+/// The folder of a prediction in which all tissue moves away from the axis of the airway by a fifth
+/// of its distance, and no bone moves.
+void write_wider_prediction(const fs::path& folder) {
+  const anatomy::ParametricHead head{{}};
+  mesh::VolumeMesh tissue;
+  std::vector<Vec3> shifts;
+  for (double x = -40.0; x <= 40.0; x += 4.0)
+    for (double y = -60.0; y <= 20.0; y += 4.0)
+      for (double z = -140.0; z <= 0.0; z += 4.0) {
+        tissue.nodes_L.emplace_back(head.X_LH() * Vec3(x, y, z));
+        shifts.emplace_back(head.X_LH().linear() * Vec3(0.2 * x, 0.2 * (y + 20.0), 0.0));
+      }
+  const std::int32_t row = 36, plane = 21 * 36;
+  tissue.blocks.push_back({mesh::ElementShape::kTet4, {0, plane, row, 1}, {0}});
+  fs::create_directories(folder / "paraview");
+  const std::vector<Vec3> none(shifts.size(), Vec3::Zero());
+  for (const auto& [name, shift] : {std::pair{"step_0000.vtu", &none}, {"step_0001.vtu", &shifts}})
+    ASSERT_TRUE(io::write_vtu(folder / "paraview" / name, tissue,
+                              {.nodes = {io::vtu_array("displacement_mm", *shift)}}));
+  const geometry::TriangleMesh bone = test::make_box({400, 400, 400}, {410, 410, 410});
+  for (const char* const name : {"bone_segment_moved.vtp", "bone_remainder.vtp"})
+    ASSERT_TRUE(io::write_surface(folder / name, bone));
+  const nlohmann::json document{
+      {"lefort_prediction", 2},
+      {"converged", true},
+      {"steps",
+       {{{"segments",
+          {{{"name", "chin"},
+            {"pose_4x4_row_major_mm_lps", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}}}}}}};
+  ASSERT_TRUE(io::write_text(folder / "prediction.json", document.dump()));
+}
+
+TEST_F(MeasureCommands, airway_after_a_predicted_movement) {
+  write_wider_prediction(path("wider"));
+  const std::string command = "airway " + inputs() + "--prediction '";
+  const auto done = run_lefort(command + path("wider").string() + "' --json -o '" +
+                               path("airways").string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const auto json = nlohmann::json::parse(done.out);
+  const auto area_of = [](const nlohmann::json& one) {
+    return one.at("min_axial_section").at("area_mm2").get<double>();
+  };
+  EXPECT_NEAR(area_of(json.at("after")) / area_of(json), 1.44, 0.06);
+  EXPECT_GT(json.at("after").at("wall_in_tissue_mesh").get<double>(), 0.95);
+  EXPECT_TRUE(io::read_surface(path("airways") / "airway_after.vtp"));
+
+  ASSERT_TRUE(io::write_text(path("wider") / "prediction.json", "{\"steps\": [1]}"));
+  expect_refused(command + path("wider").string() + "'", 1, "predict again");
+  expect_refused(command + path("nowhere").string() + "'", 1, "prediction.json");
 }
 
 TEST_F(MeasureCommands, canals_pass_through_corrected_points) {
@@ -214,6 +269,42 @@ TEST_F(MeasureCommands, cutting_guides_with_the_same_holes_before_and_after) {
   expect_refused("plan guide " + plan + "--segment nose", 1, "the plan has no segment 'nose'");
   expect_refused("plan guide " + plan + "--from above", 2, "--from");
   expect_refused("plan guide " + plan + "--hole-distance 9", 1, "must be 11.25 mm or more");
+}
+
+TEST_F(MeasureCommands, plans_side_by_side) {
+  write_chin_plan(path("chin.json"));
+  std::ifstream in(path("chin.json"));
+  nlohmann::json plan = nlohmann::json::parse(in);
+  plan["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, -3, 0};
+  ASSERT_TRUE(io::write_text(path("less.json"), plan.dump()));
+  for (const std::string name : {"chin", "less"}) {
+    const auto checked =
+        run_lefort("plan check '" + path(name + ".json").string() + "' --no-pictures --quiet -o '" +
+                   (path("plans") / name / "check").string() + "'");
+    ASSERT_LE(checked.exit_code, 1) << checked.error;  // 1: findings.
+    ASSERT_TRUE(fs::exists(path("plans") / name / "check/check.json")) << checked.error;
+  }
+  const std::string first = "'" + (path("plans") / "chin").string() + "' ";
+  const std::string second = "'" + (path("plans") / "less").string() + "/' ";
+  const auto done = run_lefort("plan variants " + first + second + "--quiet -o '" +
+                               path("variants").string() + "'");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  std::ifstream table(path("variants") / "variants.csv");
+  const std::string csv(std::istreambuf_iterator<char>(table), {});
+  EXPECT_TRUE(csv.starts_with("\"segment, point\",\"chin\",\"less\"\n")) << csv;
+  EXPECT_NE(csv.find("\"chin, Pg\",\"6.0 forward, 2.1 up\",\"3.0 forward\""), std::string::npos)
+      << csv;
+  for (const char* const name : {"variants.html", "variants.pdf", "variants.json"})
+    EXPECT_GT(fs::file_size(path("variants") / name), 500U) << name;
+
+  expect_refused("plan variants " + first + first, 1, "two folders have the name chin");
+  expect_refused("plan variants " + first, 2, "folders");
+  expect_refused("plan variants " + first + "'" + path("nowhere").string() + "'", 1, "check.json");
+  fs::create_directories(path("plans") / "bad/check");
+  ASSERT_TRUE(io::write_text(path("plans") / "bad/check/check.json",
+                             "{\"lefort_plan_check\": 1, \"movements\": [3]}"));
+  expect_refused("plan variants " + first + "'" + (path("plans") / "bad").string() + "'", 1,
+                 "plans of different bones");
 }
 
 TEST_F(MeasureCommands, refuses_in_one_line) {

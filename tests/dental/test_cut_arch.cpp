@@ -1,9 +1,16 @@
 #include <lefort/dental/cut_arch.h>
+#include <lefort/dental/find_occlusion.h>
 #include <lefort/dental/renumber_teeth.h>
+#include <lefort/geometry/mesh_properties.h>
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/transform_mesh.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -37,6 +44,26 @@ TEST(CutArch, divides_between_teeth) {
   for (const Vec3& p : (*pieces)[0].vertices) EXPECT_LT(p.x(), -3.0);
   for (const Vec3& p : (*pieces)[1].vertices) EXPECT_LT(std::abs(p.x()), 12.0);
   for (const Vec3& p : (*pieces)[2].vertices) EXPECT_GT(p.x(), 3.0);
+}
+
+TEST(CutArch, pieces_find_their_occlusion) {
+  const auto upper = test::make_arch({.seed = 3.0}, true);
+  const auto lower = test::make_arch({.seed = 3.0, .step_mm = 0.4});
+  const std::array<std::array<int, 2>, 2> cuts{{{12, 13}, {22, 23}}};
+  const auto pieces = cut_arch(upper, crowns(), cuts);
+  ASSERT_TRUE(pieces);
+  for (std::size_t n = 0; n < pieces->size(); ++n) {
+    const auto& piece = (*pieces)[n];
+    const RigidTransform X = geometry::rigid_motion(Vec3(0.4, -0.3, 0.8), Vec3(0.02, -0.015, 0.03),
+                                                    geometry::bounding_box(piece).center());
+    const auto found = find_occlusion(lower, geometry::transformed(piece, X),
+                                      {-Vec3::UnitZ(), -Vec3::UnitY()}, {.is_close = true});
+    ASSERT_TRUE(found) << n << ": " << found.error().message;
+    double worst_mm = 0.0;
+    for (const Vec3& p : piece.vertices)
+      worst_mm = std::max(worst_mm, (found->X_L_lower * (X * p) - p).norm());
+    EXPECT_LT(worst_mm, 0.3) << n;
+  }
 }
 
 TEST(CutArch, refuses_teeth_that_are_not_adjacent) {

@@ -39,10 +39,19 @@ struct Stage {
   double penalty = 1.0;
   int iterations = 0;
   bool tilts = true;  ///< Whether the arch may rotate out of the occlusal plane.
+  /// Cost of the squared displacement from the start [mm^2], per area: a piece with few contacts
+  /// would tilt (Tikhonov).
+  double displacement = 0.0;
 };
 constexpr std::array<Stage, 2> kFirst{{{6.0, 1.0, 15, false}, {4.0, 1.0, 10, false}}};
 constexpr std::array<Stage, 3> kCoarse{{{2.0, 1.0, 10}, {1.0, 4.0, 10}, {0.5, 10.0, 15}}};
 constexpr std::array<Stage, 2> kFine{{{0.25, 40.0, 20}, {0.15, 300.0, 30}}};
+constexpr double kPrior = 0.02;
+/// For a piece that is close: from the gaps of its displacement.
+constexpr std::array<Stage, 4> kClose{{{2.0, 1.0, 10, true, kPrior},
+                                       {0.5, 10.0, 15, true, kPrior},
+                                       {0.25, 40.0, 20, true, kPrior},
+                                       {0.15, 300.0, 30, true, kPrior}}};
 
 /// A point of an arch and the area around it.
 struct ArchPoint {
@@ -161,6 +170,21 @@ GapSums sum_of(const SumAt& at, double mm2, const std::optional<FacedGap>& faced
   return one;
 }
 
+/// Adds the cost of the displacement of a point of the lower arch from the start.
+void add_displacement(const SumAt& at, const ArchPoint& point, const Vec3& p, GapSums& sums) {
+  const double weight = at.stage->displacement * point.mm2;
+  if (weight == 0.0) return;
+  const Vec3 off = p - point.point;
+  for (Index axis = 0; axis < 3; ++axis) {
+    const Vec3 direction = Vec3::Unit(axis);
+    Vec6 row;
+    row << at.rotations * (p - at.center).cross(direction) / kArch_mm, direction;
+    sums.matrix += weight * row * row.transpose();
+    sums.vector += weight * off[axis] * row;
+  }
+  sums.cost += weight * off.squaredNorm();
+}
+
 GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform& X,
                  const Stage& stage) {
   const auto& from_lower = arches.lower.points(exact);
@@ -174,7 +198,9 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
       const ArchPoint& point = from_lower[std::size_t(i)];
       const Vec3 p = X * point.point;
       const auto faced = arches.upper.gap(p, X.linear() * point.normal, exact);
-      return sum_of(at, point.mm2, faced, p, faced ? faced->normal : Vec3(Vec3::Zero()));
+      GapSums one = sum_of(at, point.mm2, faced, p, faced ? faced->normal : Vec3(Vec3::Zero()));
+      add_displacement(at, point, p, one);
+      return one;
     }
     const ArchPoint& point = from_upper[std::size_t(i - count)];
     const auto faced =
@@ -315,7 +341,8 @@ Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes
   double best_cost = std::numeric_limits<double>::infinity();
   for (const SearchEnd& end : ends) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
-    const auto refined = minimize(arches, true, end.X, kFine);
+    const auto refined = options.is_close ? minimize(arches, true, end.X, kClose)
+                                          : minimize(arches, true, end.X, kFine);
     if (!refined) continue;
     const double cost = sum_gaps(arches, true, *refined, kCompared).cost;
     if (cost >= best_cost) continue;
@@ -331,10 +358,11 @@ Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes
 }
 
 /// Opens the arches along the superior direction until the penetration is within its limit.
-RigidTransform without_penetration(const Arches& arches, RigidTransform X, const ArchAxes& axes) {
+RigidTransform without_penetration(const Arches& arches, RigidTransform X, const ArchAxes& axes,
+                                   double reach_mm) {
   constexpr int kSteps = 20;
   for (int n = 0; n < kSteps; ++n) {
-    const double deep_mm = max_penetration_mm(arches, X);
+    const double deep_mm = max_penetration_mm(arches, X, reach_mm);
     if (deep_mm <= kMaxOcclusalPenetration_mm) break;
     X.translation() -= (deep_mm - 0.9 * kMaxOcclusalPenetration_mm) * axes.superior_L;
   }
@@ -360,7 +388,9 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                                 SearchedArch(arches.lower, axes.superior_L), mean_vertex(lower_L),
                                 axes.superior_L};
   LEFORT_TRY(const RigidTransform closed, search(searched, axes, options, progress));
-  Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes), axes);
+  const double reach_mm = options.is_close ? kPieceReach_mm : kArchReach_mm;
+  Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes, reach_mm),
+                                      axes, reach_mm);
   const OcclusalContacts& contacts = found.contacts;
   if (contacts.max_penetration_mm > kMaxOcclusalPenetration_mm ||
       contacts.left_mm2 + contacts.right_mm2 <= 0.0)

@@ -18,13 +18,13 @@ using geometry::TriangleMesh;
 constexpr double kShownGap_mm = 3.0;
 
 /// Deepest penetration of the vertices of `points`, moved by `X`, into `surface`.
-double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransform& X) {
-  constexpr double kReach_mm = 10.0;
+double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransform& X,
+                      double reach_mm) {
   const TriangleMesh& mesh = points.mesh();
   std::vector<double> depths(mesh.vertices.size(), 0.0);
   parallel_for(mesh.vertex_count(), [&](Index v) {
     const auto faced = gap_over(surface, X * mesh.vertices[std::size_t(v)],
-                                X.linear() * points.pseudonormals().at_vertex(mesh, v), kReach_mm);
+                                X.linear() * points.pseudonormals().at_vertex(mesh, v), reach_mm);
     if (faced) depths[std::size_t(v)] = std::max(-faced->gap_mm, 0.0);
   });
   return depths.empty() ? 0.0 : *std::max_element(depths.begin(), depths.end());
@@ -94,18 +94,18 @@ OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<doub
 
 }  // namespace
 
-double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB) {
-  return std::max(penetration_mm(arches.lower, arches.upper, X_LB),
-                  penetration_mm(arches.upper, arches.lower, X_LB.inverse()));
+double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB, double reach_mm) {
+  return std::max(penetration_mm(arches.lower, arches.upper, X_LB, reach_mm),
+                  penetration_mm(arches.upper, arches.lower, X_LB.inverse(), reach_mm));
 }
 
-Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB,
-                            const ArchAxes& axes) {
+Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB, const ArchAxes& axes,
+                            double reach_mm) {
   Occlusion found;
   found.X_L_lower = X_LB;
   found.gaps_mm = gaps_of(arches, X_LB);
   found.contacts = contacts_of(arches.lower.mesh(), found.gaps_mm, axes);
-  found.contacts.max_penetration_mm = max_penetration_mm(arches, X_LB);
+  found.contacts.max_penetration_mm = max_penetration_mm(arches, X_LB, reach_mm);
   const Vec3 between =
       incisal_edge(arches.upper.mesh(), -axes.superior_L, axes) -
       incisal_edge(geometry::transformed(arches.lower.mesh(), X_LB), axes.superior_L, axes);
