@@ -185,10 +185,11 @@ std::optional<JobRecord> Jobs::find(int id) const {
   return found == jobs_.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::optional<JobRecord> Jobs::last_of(std::string_view kind) const {
+std::optional<JobRecord> Jobs::last_of(
+    const std::function<bool(const JobRecord&)>& is_wanted) const {
   const std::scoped_lock lock(mutex_);
   for (auto job = jobs_.rbegin(); job != jobs_.rend(); ++job)
-    if (job->second.kind == kind) return job->second;
+    if (is_wanted(job->second)) return job->second;
   return std::nullopt;
 }
 
