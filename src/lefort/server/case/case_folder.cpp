@@ -1,3 +1,4 @@
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/predicted_poses.h>
@@ -322,7 +323,10 @@ json CaseFolder::describe() const {
 Result<void> CaseFolder::forget_result(std::string_view stage) const {
   std::vector<fs::path> documents;
   if (stage == "cut") documents = {cut() / "cut.json"};
-  if (stage == "check") documents = {check() / "check.json"};
+  // A check replaces the files that check.json lists, and no others: they are removed with it.
+  if (stage == "check")
+    documents =
+        io::earlier_check_files(check()).value_or(std::vector<fs::path>{check() / "check.json"});
   if (stage == "preview") documents = {preview() / "preview.json"};
   if (stage == "prediction")
     documents = {prediction() / "prediction.json", prediction() / "failure.json"};

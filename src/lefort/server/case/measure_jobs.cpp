@@ -1,3 +1,4 @@
+#include <lefort/geometry/triangle_mesh.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/pipeline/airway.h>
@@ -41,6 +42,13 @@ std::string without_options(std::string text) {
       at = end;
     at = text.find(kBeginning, at);
   }
+  return text;
+}
+
+/// `text` with `other` in place of `part`, where it is found first.
+std::string with_other(std::string text, const std::string& part, const std::string& other) {
+  if (const std::size_t at = text.find(part); at != std::string::npos)
+    text.replace(at, part.size(), other);
   return text;
 }
 
@@ -88,6 +96,7 @@ struct ArchScan {
   const char* jaw;
   std::string upload;
   std::optional<Uploads::Source> source;
+  geometry::TriangleMesh surface;  ///< Of `source`.
   fs::path stored;
 
   [[nodiscard]] std::optional<fs::path> file() const {
@@ -98,7 +107,10 @@ struct ArchScan {
 };
 
 Result<ArchScan> find_arch_scan(const JobContext& context, const JobRecord& job, const char* jaw) {
-  ArchScan scan{jaw, job.parameters.value(jaw, ""), std::nullopt,
+  ArchScan scan{jaw,
+                job.parameters.value(jaw, ""),
+                std::nullopt,
+                {},
                 context.folder.scans() / fmt::format("{}.stl", jaw)};
   if (scan.upload.empty()) return scan;
   scan.source = context.uploads.source(scan.upload);
@@ -108,16 +120,21 @@ Result<ArchScan> find_arch_scan(const JobContext& context, const JobRecord& job,
   if (!is_surface(scan.source->path()))
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("{} jaw: an intraoral scan is one file .stl, .ply, .obj or .vtp", jaw));
+  auto surface = io::read_surface(scan.source->path());
+  if (!surface)
+    return fail(surface.error().code,
+                fmt::format("{} jaw: {}", jaw,
+                            with_other(surface.error().message,
+                                       scan.source->path().filename().string(), "the file")));
+  scan.surface = *std::move(surface);
   return scan;
 }
 
 /// A message with jaws in place of the files of their scans.
 std::string naming_jaws(std::string message, std::initializer_list<const ArchScan*> scans) {
-  for (const ArchScan* scan : scans) {
-    const std::string file = scan->file().value_or("").string();
-    const std::size_t at = file.empty() ? std::string::npos : message.find(file);
-    if (at != std::string::npos) message.replace(at, file.size(), fmt::format("{} jaw", scan->jaw));
-  }
+  for (const ArchScan* scan : scans)
+    if (const auto file = scan->file())
+      message = with_other(std::move(message), file->string(), fmt::format("{} jaw", scan->jaw));
   return message;
 }
 
@@ -132,8 +149,7 @@ Result<void> store_scan(const JobContext& context, const ArchScan& scan) {
   if (!scan.source) return {};
   std::error_code error;
   fs::create_directories(scan.stored.parent_path(), error);
-  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(scan.source->path()));
-  LEFORT_TRY_VOID(io::write_surface(scan.stored, surface));
+  LEFORT_TRY_VOID(io::write_surface(scan.stored, scan.surface));
   static_cast<void>(context.uploads.remove(scan.upload));
   return {};
 }

@@ -93,7 +93,7 @@ function cutDistances(s: State): Html {
 function corrections(app: App, s: State): Html {
   const names = Object.keys(s.nervePoints).sort();
   return html`${hint(
-    'To correct a canal, drag a point to its place on a slice or in 3D, and trace again. The canal passes within about ' +
+    'To correct a canal, drag a point to its place, and trace again. The canal passes within about ' +
       '1 mm of corrected points.',
   )}
   ${names.length > 0
