@@ -35,7 +35,8 @@ function nerveMarkers(s: State): (Marker & { label: string })[] {
   return shownNervePoints(s.nerve?.points ?? {}, s.nervePoints).map(({ name, position_mm, isCorrected }) => ({
     id: name,
     position: s.nerveDrag?.name === name ? s.nerveDrag.position_mm : position_mm,
-    label: name.replace(/^found /, ''),
+    // Of points that were found, foramina only: others are numbered again after each correction.
+    label: name.startsWith('found IAN') ? '' : name.replace(/^found /, ''),
     color: isCorrected ? CORRECTED_COLOR : POINT_COLOR,
     selected: name === s.nervePoint,
     draggable: true,

@@ -16,7 +16,11 @@ export const MEASURE_COLORS: Readonly<Record<string, Rgb>> = {
 };
 
 /** Gap at the end of the color map [mm]. */
-export const GAP_TOP_MM = 1;
+export const GAP_TOP_MM = 2;
+
+const HEAD = ['skull'] as const;
+const ARCHES = ['upper_arch', 'lower_arch'] as const;
+const CANALS = ['nerve_right', 'nerve_left'] as const;
 
 const toMat4 = (pose: readonly number[] | undefined): Mat4 => (pose as Mat4 | undefined) ?? IDENTITY;
 
@@ -24,6 +28,8 @@ const toMat4 = (pose: readonly number[] | undefined): Mat4 => (pose as Mat4 | un
 export class MeasuresView {
   private painted: Body | undefined;
   private paintedGap: boolean | null = null;
+  /** The bodies that were brought into view; null outside of this step. */
+  private framed: readonly string[] | null = null;
 
   constructor(
     private readonly view: View3d,
@@ -54,6 +60,7 @@ export class MeasuresView {
   }
 
   present(s: State): void {
+    this.frame(s);
     if (s.step !== 'measures') return;
     const { view } = this;
     view.setLayout({ mode: 'single' });
@@ -64,6 +71,21 @@ export class MeasuresView {
     for (const lower of ['lower_arch', 'lower_in_occlusion'])
       if (view.body(lower)) view.setPose(lower, toMat4(splint?.lower_pose));
     this.paintGap(s.measure === 'arches');
+  }
+
+  /** Brings into view what was selected: small bodies alone, else the head. */
+  private frame(s: State): void {
+    const { view } = this;
+    if (s.step !== 'measures') {
+      if (this.framed) view.bringIntoView(['skull', 'skin']);
+      this.framed = null;
+      return;
+    }
+    const small = { arches: ARCHES, splint: ARCHES, nerve: CANALS } as Partial<Record<string, readonly string[]>>;
+    const wanted = (small[s.measure] ?? HEAD).some((name) => view.body(name)) ? (small[s.measure] ?? HEAD) : HEAD;
+    if (this.framed === wanted || !wanted.some((name) => view.body(name))) return;
+    this.framed = wanted;
+    view.bringIntoView(wanted);
   }
 
   /** Colors the lower arch by its gap to the upper one, or plain. */

@@ -27,7 +27,9 @@ export function cephalogramSection(app: App, s: State): Html {
           'Computes lateral and frontal cephalograms, traces bone and skin, and compares measurements with published ' +
             'norms. Check and prediction of the plan are included if they are up to date.',
         ),
-    segmented('Norms', NORMS, s.norms, (value) => app.patch({ norms: value })),
+    html`<div class="row">
+      <span class="grow">Norms of</span>${segmented('Norms of', NORMS, s.norms, (value) => app.patch({ norms: value }))}
+    </div>`,
     jobControl(app, s, {
       kind: 'cephalogram',
       start: s.cephalogram ? 'Compute the cephalogram again' : 'Compute the cephalogram',

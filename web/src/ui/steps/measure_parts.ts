@@ -52,12 +52,11 @@ function jobProgress(app: App, s: State, kind: Schemas['JobKind']): Html {
     ${progressBar(job?.fraction ?? 0, 'Progress')}`;
 }
 
-/** Messages of the last job of a kind that are warnings. */
+/** Notes of the last job of a kind that are warnings. */
 export function jobWarnings(s: State, kind: Schemas['JobKind']): Html {
   const job = lastJob(s, kind);
   if (job?.state !== 'done') return nothing;
-  const lines = [...job.lines, ...job.message.split('\n')].map((line) => line.trim());
-  return html`${[...new Set(lines)]
+  return html`${[...new Set(job.lines)]
     .filter((line) => line.startsWith('warning: '))
     .map((line) => notice('warning', 'Please check', line.slice('warning: '.length)))}`;
 }

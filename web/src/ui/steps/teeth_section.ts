@@ -1,8 +1,9 @@
 import { html, nothing } from 'lit-html';
+import { repeat } from 'lit-html/directives/repeat.js';
 import { fixed, parseNumber, toothRows, toVec3, type ToothRow } from '../../model';
 import type { App } from '../app';
 import { stageOf, type State } from '../state';
-import { button, hint, notice, section, type Html } from '../widgets';
+import { hint, notice, section, type Html } from '../widgets';
 import { downloads, jobControl, jobWarnings, staleNotice } from './measure_parts';
 
 /** Numbered teeth, and corrections of their numbers. */
@@ -32,7 +33,8 @@ export function teethSection(app: App, s: State): Html {
 function teethTable(app: App, s: State): Html {
   const rows = toothRows(s.teeth?.teeth ?? [], s.toothCorrections);
   return html`${hint(
-      'Check each number in the views. To correct one, type the FDI number; 0 removes what is not a tooth.',
+      'Check each number in the views: a selected field shows its tooth on the slices. To correct a number, type ' +
+        'another one; 0 removes what is not a tooth.',
     )}
     ${s.toothFault ? notice('error', 'This number is not possible', s.toothFault) : nothing}
     <table data-id="teeth-table">
@@ -41,11 +43,14 @@ function teethTable(app: App, s: State): Html {
           <th>FDI number</th>
           <th>Length</th>
           <th title="Along the arch">Width</th>
-          <th><span class="visually-hidden">Show</span></th>
         </tr>
       </thead>
       <tbody>
-        ${rows.map((row) => toothRow(app, row))}
+        ${repeat(
+          rows,
+          ({ found }) => found,
+          (row) => toothRow(app, row),
+        )}
       </tbody>
     </table>
     ${hint('Length and width in mm.')}`;
@@ -71,6 +76,7 @@ function toothRow(app: App, { found, fdi, tooth }: ToothRow): Html {
           data-id=${`tooth-${found}`}
           .value=${String(fdi)}
           @change=${(e: Event) => take(e.target as HTMLInputElement)}
+          @focus=${() => tooth && app.patch({ cursor_L: toVec3(tooth.crown) })}
           @keydown=${(e: KeyboardEvent) => e.key === 'Enter' && (e.target as HTMLInputElement).blur()}
         />
       </span>
@@ -78,14 +84,6 @@ function toothRow(app: App, { found, fdi, tooth }: ToothRow): Html {
     </td>
     <td>${fixed(tooth?.length_mm ?? null, 1)}</td>
     <td>${fixed(tooth?.width_mm ?? null, 1)}</td>
-    <td>
-      ${tooth
-        ? button('Show', () => app.patch({ cursor_L: toVec3(tooth.crown) }), {
-            kind: 'quiet',
-            title: `Show tooth ${fdi} on the slices`,
-          })
-        : nothing}
-    </td>
   </tr>`;
 }
 
