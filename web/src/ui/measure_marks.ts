@@ -39,7 +39,8 @@ function nerveMarkers(s: State): (Marker & { label: string })[] {
     label: name.startsWith('found IAN') ? '' : name.replace(/^found /, ''),
     color: isCorrected ? CORRECTED_COLOR : POINT_COLOR,
     selected: name === s.nervePoint,
-    draggable: true,
+    // On the slices they are; in 3D a drag would bring them to the surface of the bone.
+    draggable: false,
   }));
 }
 

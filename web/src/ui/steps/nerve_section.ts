@@ -93,8 +93,8 @@ function cutDistances(s: State): Html {
 function corrections(app: App, s: State): Html {
   const names = Object.keys(s.nervePoints).sort();
   return html`${hint(
-    'To correct a canal, drag a point to its place, and trace again. The canal passes within about ' +
-      '1 mm of corrected points.',
+    'To correct a canal, select a point in 3D or on a slice, drag it on a slice to its place, and trace again. The ' +
+      'canal passes within about 1 mm of corrected points.',
   )}
   ${names.length > 0
     ? html`<div class="list" data-id="nerve-points" role="group" aria-label="Corrected points">
