@@ -155,9 +155,22 @@ TEST_F(ServerMeasures, TeethAreNumberedAndCorrected) {
   EXPECT_EQ(stage("teeth")["state"], "stale");
   EXPECT_EQ(stage("teeth")["why"], "numbers of teeth were corrected after this was computed");
   ASSERT_EQ(put(json::array()).status, 200);
-  EXPECT_EQ(stage("teeth")["state"], "stale");  // The empty list is a version of its own.
-  ASSERT_EQ(api().run({{"kind", "teeth"}})["state"], "done");
+  EXPECT_FALSE(fs::exists(root() / "teeth_corrections.json"));
   EXPECT_EQ(stage("teeth")["state"], "fresh");
+
+  // A result with corrected numbers: the numbers that were found remain the keys.
+  json corrected = json::parse(io::read_text(root() / "teeth/teeth.json", 1 << 20).value());
+  corrected["teeth"][0]["fdi"] = unused;
+  ASSERT_TRUE(io::write_text(root() / "teeth/teeth.json", corrected.dump()));
+  ASSERT_TRUE(io::write_text(
+      root() / "teeth/teeth_corrections.json",
+      json{{"lefort_tooth_corrections", 1}, {"corrections", {{{"found", first}, {"fdi", unused}}}}}
+          .dump()));
+  const json tooth = document("/teeth", "Teeth")["teeth"][0];
+  EXPECT_EQ(tooth["fdi"], unused);
+  EXPECT_EQ(tooth["found"], first);
+  EXPECT_EQ(put({{{"found", second}, {"fdi", first}}}).status,
+            422);  // `first` is its number again.
 }
 
 TEST_F(ServerMeasures, CorrectionsAreChecked) {
@@ -173,6 +186,7 @@ TEST_F(ServerMeasures, CorrectionsAreChecked) {
   refused({{{"found", 18}, {"fdi", 9}}}, "9 is no FDI number");
   refused({{{"found", 18}, {"fdi", 17}}, {{"found", 18}, {"fdi", 16}}}, "corrected twice");
   refused({{{"found", 18}, {"fdi", 17}}, {{"found", 16}, {"fdi", 17}}}, "number 17");
+  refused({{{"found", 18}, {"fdi", 48}}}, "in the other jaw");
   refused({{{"found", 0}, {"fdi", 17}}}, "found");
   refused({{{"found", 18}, {"fdi", 1e9}}}, "fdi");
   refused({{{"found", 18}, {"fdi", nullptr}}}, "fdi");

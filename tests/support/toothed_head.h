@@ -80,8 +80,8 @@ struct ToothedHead {
 template <class Level>
 Result<geometry::TriangleMesh> surface_of_crowns(const Level& level_at) {
   image::Grid grid;
-  grid.size = {190, 150, 70};
-  grid.spacing_mm = Vec3::Constant(0.4);
+  grid.size = {128, 100, 48};
+  grid.spacing_mm = Vec3::Constant(0.6);
   grid.origin_L = Vec3(-38.0, -99.0, -61.0);
   image::Volume<float> level{grid, {}};
   for (Index k = 0; k < grid.size[2]; ++k)

@@ -67,6 +67,7 @@ describe('numbers of teeth', () => {
     expect(faultOfNumber(rows, 16, 18)).toBeNull();
     expect(faultOfNumber(rows, 16, 19)).toContain('no FDI number');
     expect(faultOfNumber(rows, 16, 0)).toBeNull();
+    expect(faultOfNumber(rows, 16, 46)).toContain('in the other jaw');
     expect(faultOfNumber(rows, 16, 16)).toBeNull();
   });
 });

@@ -233,10 +233,14 @@ export class Client {
     return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
   }
 
-  /** Returns the new ETag. */
-  async putToothCorrections(corrections: Schemas['ToothCorrections']['corrections'], etag: string): Promise<string> {
+  /** Returns the new ETag; null if there are no corrections now. */
+  async putToothCorrections(
+    corrections: Schemas['ToothCorrections']['corrections'],
+    etag: string,
+  ): Promise<string | null> {
     const body: Schemas['ToothCorrections'] = { lefort_tooth_corrections: 1, corrections };
-    return etagOf(await this.json('PUT', '/teeth/corrections', body, { 'If-Match': etag }));
+    const response = await this.json('PUT', '/teeth/corrections', body, { 'If-Match': etag });
+    return response.headers.get('ETag');
   }
 
   /** Returns the new ETag; null if there are no points now. */

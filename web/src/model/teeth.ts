@@ -52,6 +52,7 @@ export function withToothNumber(
 export function faultOfNumber(rows: readonly ToothRow[], found: number, fdi: number): string | null {
   if (fdi !== 0 && !isToothNumber(fdi))
     return `${fdi} is no FDI number: 11 to 18, 21 to 28, 31 to 38, 41 to 48, or 0 for what is not a tooth.`;
+  if (fdi !== 0 && fdi < 30 !== found < 30) return `Tooth ${found} cannot be ${fdi}, which is in the other jaw.`;
   if (fdi !== 0 && rows.some((row) => row.found !== found && row.fdi === fdi))
     return `Another tooth has the number ${fdi}. Correct that one first.`;
   return null;

@@ -243,6 +243,8 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   if (!check_files_of_plan(*text)) return std::nullopt;
   if (stage == "check" && this->stage("nerve")["state"] == "fresh")
     inputs["nerve"] = fingerprint(nerve() / "nerve.json").value_or("");
+  if (const auto numbers = server::tooth_corrections(*this); stage == "check" && numbers)
+    inputs["numbers"] = fingerprint(*numbers).value_or("");
   if (stage == "cut" || stage == "preview") {
     io::Sha256 sum;
     sum.add(cutting_part(plan_json).dump());

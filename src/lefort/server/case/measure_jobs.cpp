@@ -228,14 +228,18 @@ std::string stage_of_splint(const JobRecord& job) {
 
 Result<JobOutcome> teeth_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
-  return as_measure(folder, "teeth", [&] {
+  return as_measure(folder, "teeth", [&]() -> Result<pipeline::Summary> {
     pipeline::TeethJob teeth;
     teeth.ct = folder.ct();
     teeth.labels = labels_of_scan(folder);
     teeth.landmarks = landmarks_of(folder, progress);
     teeth.output = folder.teeth();
-    // CONNECT: teeth.numbers = tooth_corrections(folder);
-    return pipeline::number_teeth_of_scan(teeth, progress);
+    const auto corrections = tooth_corrections(folder);
+    // CONNECT: teeth.corrections = corrections;
+    auto summary = pipeline::number_teeth_of_scan(teeth, progress);
+    std::error_code error;
+    if (summary && !corrections) fs::remove(folder.teeth() / "teeth_corrections.json", error);
+    return summary;
   });
 }
 

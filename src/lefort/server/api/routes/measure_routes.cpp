@@ -62,10 +62,16 @@ Response document_reply(ServedCase& served, const Request& request, const Docume
   return with_etag(std::move(reply), etag);
 }
 
+/// The corrections with which teeth.json was computed.
+json applied_corrections(const ServedCase& served) {
+  return read_object(served.folder.teeth() / "teeth_corrections.json");
+}
+
 Response get_teeth(ServedCase& served, const Request& request, const PathValues&) {
   return document_reply(served, request,
-                        {"teeth", "Teeth", [](const ServedCase&, const json& document) {
-                           json shown = only(document, {"notice", "teeth", "missing"});
+                        {"teeth", "Teeth", [](const ServedCase& of, const json& document) {
+                           json shown = only(with_found_numbers(document, applied_corrections(of)),
+                                             {"notice", "teeth", "missing"});
                            if (shown.contains("teeth") && shown["teeth"].is_array())
                              for (json& tooth : shown["teeth"])
                                tooth = only(tooth, {"fdi", "found", "crown", "apex", "length_mm",
@@ -174,13 +180,20 @@ Response put_tooth_corrections(ServedCase& served, const Request& request, const
   const std::scoped_lock lock(served.writing);
   const fs::path file = served.folder.tooth_corrections();
   if (auto refused = check_precondition(request, served.folder.etag(file))) return *refused;
-  const json teeth = read_object(document_of_measure(served.folder, "teeth"));
-  if (const auto valid = check_tooth_corrections((*body.value)["corrections"], teeth); !valid)
+  const json& corrections = (*body.value)["corrections"];
+  const json teeth = with_found_numbers(read_object(document_of_measure(served.folder, "teeth")),
+                                        applied_corrections(served));
+  if (const auto valid = check_tooth_corrections(corrections, teeth); !valid)
     return error_response(valid.error(), "corrections");
-  if (const auto written = io::write_text(file, body.value->dump(1) + "\n"); !written)
-    return error_response(written.error());
-  if (const auto recorded = served.folder.record_scan(kToothCorrections); !recorded)
-    return error_response(recorded.error());
+  if (corrections.empty()) {
+    std::error_code error;
+    fs::remove(file, error);
+  } else {
+    if (const auto written = io::write_text(file, body.value->dump(1) + "\n"); !written)
+      return error_response(written.error());
+    if (const auto recorded = served.folder.record_scan(kToothCorrections); !recorded)
+      return error_response(recorded.error());
+  }
   served.report_stages();
   return with_etag(json_response(*body.value), served.folder.etag(file));
 }
