@@ -130,7 +130,10 @@ Jobs::Jobs(fs::path folder, EventLog& events, Work work, Changed changed)
   std::error_code error;
   fs::create_directories(folder_, error);
   for (const auto& entry : fs::directory_iterator(folder_, error))
-    if (auto job = read_record(entry.path())) jobs_.emplace(job->id, *std::move(job));
+    if (auto job = read_record(entry.path())) {
+      const int id = job->id;
+      jobs_.emplace(id, *std::move(job));
+    }
   for (auto& [id, job] : jobs_) {
     if (job.is_over()) continue;
     job.state = "interrupted";

@@ -65,7 +65,7 @@ template <class Work>
 Result<JobOutcome> as_measure(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_scan(folder));
   const auto before = folder.inputs_of(stage);
-  const Result<pipeline::Summary> summary = work();
+  Result<pipeline::Summary> summary = work();
   if (!summary)
     return fail(summary.error().code, without_options(std::move(summary.error().message)));
   if (before) {

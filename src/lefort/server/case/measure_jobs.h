@@ -1,6 +1,6 @@
 /// \file
 /// Jobs of teeth and measures: numbered teeth, intraoral scans, occlusion, splints, canals, airway,
-/// cephalogram. The document of each result is served by measure_routes(), so that jobs return none.
+/// cephalogram. measure_routes() serves the document of each result, so that jobs return none.
 #pragma once
 
 #include <lefort/core/error.h>
