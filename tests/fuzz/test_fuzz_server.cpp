@@ -90,15 +90,30 @@ std::vector<Asked> some_requests() {
           {"PUT", "/boundary/data", std::string(27, '\1')},
           {"PUT", "/boundary/file", painted_file()},
           {"DELETE", "/boundary/data", ""},
+          {"GET", "/splints/final", ""},
+          {"PUT", "/teeth/corrections",
+           R"({"lefort_tooth_corrections":1,"corrections":[{"found":16,"fdi":17}]})"},
+          {"PUT", "/nerve/points", R"({"points":{"MeF-L":[20,-50,-70],"IAN-R-2":[1,2,3]}})"},
           {"PUT", "/uploads/0123456789abcdef/files/0", "bytes"},
           {"DELETE", "/jobs/1", ""}};
 }
 
 /// All entries that a case folder may contain; nothing else may appear.
 void expect_only_ours(const fs::path& folder) {
-  const std::vector<std::string> ours{
-      "ct.nrrd", "case.json", "anatomy", "landmarks.mrk.json", "plan.json",  "cut",
-      "jobs",    "uploads",   "lock",    "stages.json",        "prediction", "boundary.seg.nrrd"};
+  const std::vector<std::string> ours{"ct.nrrd",
+                                      "case.json",
+                                      "anatomy",
+                                      "landmarks.mrk.json",
+                                      "plan.json",
+                                      "cut",
+                                      "jobs",
+                                      "uploads",
+                                      "lock",
+                                      "stages.json",
+                                      "prediction",
+                                      "boundary.seg.nrrd",
+                                      "teeth_corrections.json",
+                                      "nerve_points.mrk.json"};
   for (const auto& entry : fs::directory_iterator(folder))
     EXPECT_NE(std::find(ours.begin(), ours.end(), entry.path().filename().string()), ours.end())
         << entry.path();

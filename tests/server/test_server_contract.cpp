@@ -115,7 +115,9 @@ TEST(ServerContract, TheSchemasRejectWhatTheServerRejects) {
       {"Poses", {"POST", "/poses"}},
       {"PreviewRequest", {"POST", "/preview"}},
       {"PreviewFitRequest", {"POST", "/preview/fit"}},
-      {"OsteotomyRequest", {"POST", "/osteotomies"}}};
+      {"OsteotomyRequest", {"POST", "/osteotomies"}},
+      {"ToothCorrections", {"PUT", "/teeth/corrections"}},
+      {"NervePoints", {"PUT", "/nerve/points"}}};
   int sent = 0;
   for (const fs::path& file : fixtures("invalid"))
     for (const auto& [schema, route] : routes) {
@@ -140,7 +142,8 @@ TEST(ServerContract, ResponsesOfAnEmptyCaseMatchTheContract) {
                                                           {"{segment}", "front"},
                                                           {"{step}", "1"},
                                                           {"{values}", "difference"},
-                                                          {"{file}", "plan.json"}})
+                                                          {"{file}", "plan.json"},
+                                                          {"{splint}", "final"}})
       if (const auto at = path.find(parameter); at != std::string::npos)
         path.replace(at, parameter.size(), value);
     expect_by_contract(std::string(route.method), std::string(route.path),

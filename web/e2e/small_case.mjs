@@ -50,7 +50,7 @@ export const PLAN = {
 };
 
 /** The server's API, for steps that a test does not do on the page. */
-function api(address) {
+export function api(address) {
   const [base, token] = address.split('#token=');
   const ask = async (method, path, body, headers = {}) => {
     const response = await fetch(`${base}api/v1${path}`, {

@@ -17,6 +17,14 @@ const STAGES = [
   'prediction',
   'comparison',
   'uncertainty',
+  'teeth',
+  'arches',
+  'occlusion',
+  'splint_final',
+  'splint_intermediate',
+  'nerve',
+  'airway',
+  'cephalogram',
 ] as const satisfies readonly (keyof Stages)[];
 
 const notReady = (): ApiError => new ApiError(409, 'not_ready', 'not ready');

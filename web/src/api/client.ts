@@ -94,6 +94,15 @@ export class Client {
     return { value: parse(name, await response.json()), etag: etagOf(response) };
   }
 
+  /** The same of a resource that may have no version yet. */
+  private async getIfTagged<Name extends keyof Schemas>(
+    name: Name,
+    path: string,
+  ): Promise<{ value: Schemas[Name]; etag: string | null }> {
+    const response = await this.send('GET', path);
+    return { value: parse(name, await response.json()), etag: response.headers.get('ETag') };
+  }
+
   private json(method: string, path: string, body: unknown, headers: Record<string, string> = {}): Promise<Response> {
     return this.send(method, path, {
       body: JSON.stringify(body),
@@ -113,6 +122,15 @@ export class Client {
   previewDistance = () => this.get('PreviewDistance', '/preview/distance');
   comparison = () => this.get('Comparison', '/comparison');
   uncertainty = () => this.get('Uncertainty', '/uncertainty');
+  teeth = () => this.get('Teeth', '/teeth');
+  toothCorrections = () => this.getIfTagged('ToothCorrections', '/teeth/corrections');
+  arches = () => this.get('Arches', '/arches');
+  occlusion = () => this.get('Occlusion', '/occlusion');
+  splint = (splint: 'final' | 'intermediate') => this.get('Splint', `/splints/${splint}`);
+  nerve = () => this.get('Nerve', '/nerve');
+  nervePoints = () => this.getIfTagged('NervePoints', '/nerve/points');
+  airway = () => this.get('Airway', '/airway');
+  cephalogram = () => this.get('Cephalogram', '/cephalogram');
   stepRegions = (step: number) => this.get('RegionShifts', `/prediction/steps/${step}/regions`);
   files = async () => (await this.get('FileList', '/files')).files;
   plan = () => this.getTagged('Plan', '/plan');
@@ -213,6 +231,22 @@ export class Client {
 
   async putLandmarks(landmarks: Schemas['Landmarks'], etag: string): Promise<string> {
     return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
+  }
+
+  /** Returns the new ETag; null if there are no corrections now. */
+  async putToothCorrections(
+    corrections: Schemas['ToothCorrections']['corrections'],
+    etag: string,
+  ): Promise<string | null> {
+    const body: Schemas['ToothCorrections'] = { lefort_tooth_corrections: 1, corrections };
+    const response = await this.json('PUT', '/teeth/corrections', body, { 'If-Match': etag });
+    return response.headers.get('ETag');
+  }
+
+  /** Returns the new ETag; null if there are no points now. */
+  async putNervePoints(points: Schemas['Points'], etag: string): Promise<string | null> {
+    const response = await this.json('PUT', '/nerve/points', { points }, { 'If-Match': etag });
+    return response.headers.get('ETag');
   }
 
   async measure(

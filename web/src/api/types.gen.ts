@@ -555,6 +555,161 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/teeth": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The numbered teeth */
+        get: operations["getTeeth"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/teeth/corrections": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Corrected numbers of teeth. Without an ETag if none were stored for the present scan */
+        get: operations["getToothCorrections"];
+        /** Replaces the corrected numbers (teeth_corrections.json); the job teeth uses them */
+        put: operations["putToothCorrections"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/arches": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The registration of the intraoral scans. The surfaces are upper_arch and lower_arch */
+        get: operations["getArches"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/occlusion": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The maximum intercuspation. The surface is lower_in_occlusion */
+        get: operations["getOcclusion"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/splints/{splint}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** A splint, and where the arches are for it. The surfaces are splint_final and splint_intermediate */
+        get: operations["getSplint"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/nerve": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The canals of the inferior alveolar nerves, and points on them. The surfaces are nerve_right and nerve_left */
+        get: operations["getNerve"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/nerve/points": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Corrected points on the canals. Without an ETag if none were stored for the present scan */
+        get: operations["getNervePoints"];
+        /** Replaces the corrected points (nerve_points.mrk.json); the job nerve uses them as landmarks */
+        put: operations["putNervePoints"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/airway": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Measures of the airway. The surface is airway, the plot of the sections the file airway.svg */
+        get: operations["getAirway"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/cephalogram": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The cephalometric analysis. The pictures are the files tracing.png, lateral.png and frontal.png */
+        get: operations["getCephalogram"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/values/{values}": {
         parameters: {
             query?: never;
@@ -658,6 +813,14 @@ export interface components {
                 prediction: components["schemas"]["Stage"];
                 comparison: components["schemas"]["Stage"];
                 uncertainty: components["schemas"]["Stage"];
+                teeth: components["schemas"]["Stage"];
+                arches: components["schemas"]["Stage"];
+                occlusion: components["schemas"]["Stage"];
+                splint_final: components["schemas"]["Stage"];
+                splint_intermediate: components["schemas"]["Stage"];
+                nerve: components["schemas"]["Stage"];
+                airway: components["schemas"]["Stage"];
+                cephalogram: components["schemas"]["Stage"];
             };
             example_available: boolean;
             /** @description Kinds of jobs of this server. */
@@ -676,7 +839,7 @@ export interface components {
             bytes: number;
         };
         /** @enum {unknown} */
-        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty";
+        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "airway" | "cephalogram";
         JobRequest: {
             /** @constant */
             kind: "import";
@@ -717,6 +880,57 @@ export interface components {
             kind: "uncertainty";
             /** @description Of the coarse model. Default 200. Solved samples of an earlier job are used again. */
             samples?: number;
+        } | {
+            /** @constant */
+            kind: "teeth";
+        } | {
+            /** @constant */
+            kind: "arches";
+            upper?: string;
+            lower?: string;
+        } | {
+            /** @constant */
+            kind: "occlusion";
+        } | {
+            /** @constant */
+            kind: "splint";
+            /** @constant */
+            splint: "final";
+            /** @description Movement of the lower arch to inferior before. Default 0. */
+            open_mm?: number;
+            clearance_mm?: number;
+            cover_mm?: number;
+            wall_mm?: number;
+            /** @description Of the grid. Default 0.2. */
+            voxel_mm?: number;
+        } | {
+            /** @constant */
+            kind: "splint";
+            /** @constant */
+            splint: "intermediate";
+            /** @description The segment of the maxilla. Not needed if it is called maxilla or is the only one. */
+            segment?: string;
+            /** @description Movement of the lower arch to inferior before. Default 0. */
+            open_mm?: number;
+            clearance_mm?: number;
+            cover_mm?: number;
+            wall_mm?: number;
+            /** @description Of the grid. Default 0.2. */
+            voxel_mm?: number;
+        } | {
+            /** @constant */
+            kind: "nerve";
+        } | {
+            /** @constant */
+            kind: "airway";
+        } | {
+            /** @constant */
+            kind: "cephalogram";
+            /**
+             * @description Whose norms the measurements are compared with. Default female.
+             * @enum {unknown}
+             */
+            norms?: "female" | "male";
         };
         /** @enum {unknown} */
         JobState: "queued" | "running" | "done" | "failed" | "cancelled" | "interrupted";
@@ -874,10 +1088,10 @@ export interface components {
             };
         };
         /**
-         * @description interface: boundary of the tissue mesh of the present plan at rest, with arrays condition and rule (values of /boundary). after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone. band: the median face of the uncertain inputs, with arrays band_width_mm, p5_mm and p95_mm (offsets from the median along the normal); 0 where the skin is not part of the mesh.
+         * @description interface: boundary of the tissue mesh of the present plan at rest, with arrays condition and rule (values of /boundary). after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone. band: the median face of the uncertain inputs, with arrays band_width_mm, p5_mm and p95_mm (offsets from the median along the normal); 0 where the skin is not part of the mesh. upper_arch, lower_arch: intraoral scans in frame L. lower_in_occlusion: the lower one in occlusion, with array gap_mm, the gap to the upper one, negative where it penetrates. nerve_right, nerve_left: canals as tubes.
          * @enum {unknown}
          */
-        SurfaceName: "skin" | "skull" | "remainder" | "interface" | "skin_before" | "predicted" | "after_surgery" | "band";
+        SurfaceName: "skin" | "skull" | "remainder" | "interface" | "skin_before" | "predicted" | "after_surgery" | "band" | "upper_arch" | "lower_arch" | "lower_in_occlusion" | "splint_final" | "splint_intermediate" | "nerve_right" | "nerve_left" | "airway";
         /**
          * @description contact-pressure [kPa] and contact-depth [mm, increase of penetration since rest]: on the segment's surface after the last step. difference: on surface predicted, the signed distance to the face after surgery [mm], positive outside.
          * @enum {unknown}
@@ -1184,6 +1398,160 @@ export interface components {
             /** @description Of all bootstrap intervals. */
             interval_level: number;
         };
+        /** @description Of teeth.json. */
+        Teeth: {
+            notice: string;
+            teeth: {
+                fdi: components["schemas"]["ToothNumber"];
+                /** @description The number that was found, if it was corrected. */
+                found?: components["schemas"]["ToothNumber"];
+                crown: number[];
+                apex: number[];
+                length_mm: number;
+                /** @description Along the arch. */
+                width_mm: number;
+                volume_mm3: number;
+            }[];
+            /** @description Numbers that are not found. */
+            missing: number[];
+        };
+        /** @description FDI number (ISO 3950): 11 to 18, 21 to 28, 31 to 38, 41 to 48. */
+        ToothNumber: number;
+        /** @description No number may occur twice, neither in found, nor in fdi except 0, nor among the teeth after the correction. */
+        ToothCorrections: {
+            /** @constant */
+            lefort_tooth_corrections: 1;
+            corrections: {
+                /** @description The number that was found. */
+                found: components["schemas"]["ToothNumber"];
+                /** @description Its correct FDI number; 0: not a tooth. */
+                fdi: number;
+            }[];
+        };
+        /** @description Distances of the crowns of the CT from the scan; null without crowns. */
+        CrownDistances: {
+            points: number;
+            /** @description Of the crowns with a counterpart within 1 mm. */
+            fraction: number | null;
+            rms_mm: number | null;
+            p95_mm: number | null;
+        };
+        Arch: {
+            /** @description That would fit best; it is not applied. */
+            scale: number;
+            /** @description Its triangles were clockwise and were turned. */
+            is_reversed: boolean;
+            distances: components["schemas"]["CrownDistances"];
+            sextants: {
+                right: components["schemas"]["CrownDistances"];
+                anterior: components["schemas"]["CrownDistances"];
+                left: components["schemas"]["CrownDistances"];
+            };
+        };
+        /** @description Of arches.json: each jaw with a scan. */
+        Arches: {
+            notice: string;
+            upper?: components["schemas"]["Arch"];
+            lower?: components["schemas"]["Arch"];
+        };
+        /** @description Of occlusion.json. */
+        Occlusion: {
+            notice: string;
+            /** @description Of the lower arch. */
+            movement: {
+                anterior_mm: number;
+                left_mm: number;
+                superior_mm: number;
+                rotation_deg: number;
+            };
+            /** @description Area with a gap of 0.2 mm or less. */
+            contacts: {
+                left_mm2: number;
+                right_mm2: number;
+                patches: number;
+                max_penetration_mm: number;
+            };
+            overjet_mm: number | null;
+            overbite_mm: number | null;
+        };
+        SplintFit: {
+            clearance_mm: {
+                p5: number | null;
+                median: number | null;
+                p95: number | null;
+            };
+            /** @description On the way of 10 mm in. */
+            max_penetration_mm: number;
+        };
+        /** @description Of splint.json. */
+        Splint: {
+            notice: string;
+            volume_ml: number;
+            parts: number;
+            /** @description Between the arches; negative: a hole. */
+            min_thickness_mm: number;
+            /** @description How far the lower arch was moved to inferior before. */
+            open_mm: number;
+            /** @description Of the upper arch, from upper_arch. */
+            upper_pose: components["schemas"]["Pose"];
+            /** @description Of the lower arch, from lower_in_occlusion for the final splint, else from lower_arch. */
+            lower_pose: components["schemas"]["Pose"];
+            upper: components["schemas"]["SplintFit"];
+            lower: components["schemas"]["SplintFit"];
+        };
+        Canal: {
+            length_mm: number;
+            /** @description Along which it is darker than the bone around it. */
+            visible_fraction: number;
+            /** @description Center line from the mandibular to the mental foramen [mm]. */
+            points: number[][];
+        };
+        /** @description Of nerve.json and nerve.mrk.json. */
+        Nerve: {
+            notice: string;
+            right?: components["schemas"]["Canal"];
+            left?: components["schemas"]["Canal"];
+            /** @description Foramina (MdF, MeF) and a point every 10 mm (IAN). */
+            points: components["schemas"]["Points"];
+        };
+        NervePoints: {
+            /** @description Corrected points on the canals, in L [mm]: mandibular (MdF) and mental foramen (MeF), and points numbered from posterior to anterior. */
+            points: {
+                [key: string]: number[];
+            };
+        };
+        AirwaySection: {
+            area_mm2: number;
+            width_mm: number;
+            depth_mm: number;
+            /** @description Along the center line, from superior. */
+            along_mm: number;
+        };
+        /** @description Of airway.json. */
+        Airway: {
+            notice: string;
+            upper: string;
+            lower: string;
+            front: string;
+            has_frankfurt_horizontal: boolean;
+            volume_ml: number;
+            /** @description Of the center line. */
+            length_mm: number;
+            /** @description Length along which the airway is closed. */
+            closed_mm: number;
+            /** @description How far below the upper limit the airway starts. */
+            below_upper_mm: number;
+            /** @description How far above the lower limit it ends. */
+            above_lower_mm: number;
+            min_section: components["schemas"]["AirwaySection"];
+            min_axial_section: components["schemas"]["AirwaySection"];
+        };
+        /** @description Of cephalogram.json. */
+        Cephalogram: {
+            notice: string;
+            has_frankfurt_horizontal: boolean;
+            measurements: components["schemas"]["Measurements"]["measurements"];
+        };
         PredictionStep: {
             step: number;
             path_fraction: number;
@@ -1212,7 +1580,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -2204,6 +2572,275 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Uncertainty"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getTeeth: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Teeth"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getToothCorrections: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ToothCorrections"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    putToothCorrections: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
+                "If-Match": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ToothCorrections"];
+            };
+        };
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ToothCorrections"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getArches: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Arches"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getOcclusion: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Occlusion"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getSplint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                splint: "final" | "intermediate";
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Splint"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getNerve: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Nerve"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getNervePoints: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NervePoints"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    putNervePoints: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
+                "If-Match": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NervePoints"];
+            };
+        };
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NervePoints"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getAirway: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Airway"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getCephalogram: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Cephalogram"];
                 };
             };
             default: components["responses"]["Refused"];

@@ -7,11 +7,13 @@ const hex = (text: string): Rgb => mapVec3([1, 3, 5], (at) => parseInt(text.slic
 
 /**
  * Color scales with stops from 0 to 1. Distance: magma reversed, light where nothing moved, as in the command
- * line's pictures; suited for red-green color blindness. Depth: bone color to red, for overlap.
+ * line's pictures; suited for red-green color blindness. Depth: bone color to red, for overlap. Gap: red where arches
+ * touch, to the color of teeth.
  */
 const SCALES = {
   distance: ['#fcfdbf', '#fec287', '#fb8761', '#e55064', '#b5367a', '#812581', '#4f127b'].map(hex),
   depth: ['#e8dcc4', '#f6c46a', '#ee7b30', '#d22c2c', '#8b0f2e'].map(hex),
+  gap: ['#8b0f2e', '#d22c2c', '#ee7b30', '#f6c46a', '#ece7dc'].map(hex),
   signed: ['#2166ac', '#67a9cf', '#d1e5f0', '#f7f7f7', '#fddbc7', '#ef8a62', '#b2182b'].map(hex),
 } as const;
 
@@ -50,6 +52,11 @@ export const segmentColor = (index: number): Rgb => SEGMENT_COLORS[index % SEGME
 
 export const BONE: Rgb = hex('#e3d9c6');
 export const SKIN: Rgb = hex('#d9a88c');
+export const TEETH: Rgb = hex('#ece7dc');
+export const LOWER_TEETH: Rgb = hex('#cfdbe6');
+export const SPLINT: Rgb = hex('#4c9fd0');
+export const NERVE: Rgb = hex('#f2b21b');
+export const AIRWAY: Rgb = hex('#5ab4e0');
 
 const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 

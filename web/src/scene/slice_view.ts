@@ -340,7 +340,7 @@ export class SliceView {
     });
     drawLabels(
       context,
-      tags,
+      tags.filter(({ text }) => text !== ''),
       tags.map(({ x, y }) => [x, y] as const),
       6.5,
     );

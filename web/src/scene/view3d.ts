@@ -168,7 +168,12 @@ export class View3d {
 
   /** Brings all bodies into view. */
   private frameAll(): void {
-    if (!this.rig.frame([...this.bodies.values()].map((body) => body.group))) return;
+    this.bringIntoView([...this.bodies.keys()]);
+  }
+
+  /** Brings the bodies of these names into view. */
+  bringIntoView(names: readonly string[]): void {
+    if (!this.rig.frame(names.flatMap((name) => this.bodies.get(name)?.group ?? []))) return;
     this.resize();
     this.rig.controls.update();
   }

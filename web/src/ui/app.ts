@@ -29,6 +29,7 @@ import { messageOf } from './errors';
 import { JobTracker } from './job_tracker';
 import { LabelBrush } from './label_brush';
 import { LiveQueries } from './live_queries';
+import { Measures } from './measures';
 import { Outcome } from './outcome';
 import { PlanStore } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
@@ -43,6 +44,7 @@ const TOAST_MS = { info: 4500, error: 12000 };
 export class App implements Planner {
   readonly model = new Model();
   readonly outcome = new Outcome(this);
+  readonly measures = new Measures(this);
   readonly live: LiveQueries;
   readonly labelBrush: LabelBrush;
   readonly boundaryBrush: BoundaryBrush;
@@ -67,8 +69,16 @@ export class App implements Planner {
       () => this.store.save(),
       (job) => this.solve.begin(job),
     );
-    const { store, jobs, solve, outcome } = this;
-    const parts = { store, jobs, solve, outcome, boundary: this.boundaryBrush, measure: () => this.measure() };
+    const { store, jobs, solve, outcome, measures } = this;
+    const parts = {
+      store,
+      jobs,
+      solve,
+      outcome,
+      measures,
+      boundary: this.boundaryBrush,
+      measure: () => this.measure(),
+    };
     this.sync = new CaseSync(this, parts, listeners);
     // Before the views subscribe: they draw the selection, which must be valid.
     this.model.history.subscribe(({ present }, { present: before }) => this.onDocChanged(present, before));

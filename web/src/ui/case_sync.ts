@@ -4,6 +4,7 @@ import { prepareSurfaceAside } from '../workers';
 import type { BoundaryBrush } from './boundary_brush';
 import { messageOf } from './errors';
 import type { JobTracker } from './job_tracker';
+import type { Measures } from './measures';
 import type { Outcome } from './outcome';
 import type { PlanStore } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
@@ -20,6 +21,8 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
   tissue: /^(skull|skin|remainder|interface|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
   compare: /^(skin_before|predicted|after_surgery|band|remainder|segments\/.+)$/,
+  measures:
+    /^(skull|upper_arch|lower_arch|lower_in_occlusion|splint_final|splint_intermediate|nerve_right|nerve_left|airway)$/,
 };
 
 export const STEP_KEY = 'lefort-step';
@@ -37,6 +40,7 @@ export interface SyncedParts {
   jobs: Pick<JobTracker, 'onEvent'>;
   solve: Pick<SolveMonitor, 'load' | 'onIterates' | 'onStep'>;
   outcome: Pick<Outcome, 'load'>;
+  measures: Pick<Measures, 'load'>;
   boundary: Pick<BoundaryBrush, 'labels' | 'load' | 'forget' | 'measure'>;
   /** Measures the landmarks. */
   measure(): void;
@@ -106,6 +110,7 @@ export class CaseSync {
   private onStep(step: StepName): void {
     this.loadSurfaces();
     if (step === 'compare' || step === 'predict') void this.parts.outcome.load();
+    if (step === 'measures') void this.parts.measures.load();
     if (step === 'landmarks') this.parts.measure();
     if (step === 'tissue') void this.parts.boundary.load();
   }
@@ -117,7 +122,7 @@ export class CaseSync {
 
   private async onStages(stages: Schemas['Case']['stages']): Promise<void> {
     const { planner } = this;
-    const { store, outcome, boundary } = this.parts;
+    const { store, outcome, measures, boundary } = this.parts;
     if (!planner.model.s.case) return;
     planner.patch({ case: { ...planner.model.s.case, stages } });
     // The etag of a save that is still running would look like a change by another page.
@@ -132,6 +137,7 @@ export class CaseSync {
     this.loadSurfaces();
     const { step } = planner.model.s;
     if (step === 'compare' || step === 'predict') void outcome.load();
+    if (step === 'measures') void measures.load();
     if (step === 'tissue' || boundary.labels) void boundary.load();
   }
 
@@ -199,7 +205,9 @@ export class CaseSync {
     planner.patch({ surfacesLoading: Math.max(0, model.s.surfacesLoading - 1) });
   }
 
-  private async receiveSurface(name: string): Promise<{ shown: Surface } & Pick<LoadedSurface, 'condition' | 'band'>> {
+  private async receiveSurface(
+    name: string,
+  ): Promise<{ shown: Surface } & Pick<LoadedSurface, 'condition' | 'band' | 'gap_mm'>> {
     const { client, model } = this.planner;
     const { points, triangles, scalars } = await client.surface(name);
     if (name === 'band') {
@@ -208,6 +216,7 @@ export class CaseSync {
       const band = { width_mm: values('band_width_mm'), p5_mm: values('p5_mm'), p95_mm: values('p95_mm') };
       return { shown: { points, triangles }, band };
     }
+    if (name === 'lower_in_occlusion') return { shown: { points, triangles }, gap_mm: scalars.get('gap_mm')?.slice() };
     if (name !== 'interface') return { shown: { points, triangles } };
     const { rules } = model.s.boundary ?? (await client.boundary());
     const skin = rules.find((rule) => rule.name === 'skin')?.value;

@@ -18,6 +18,17 @@ export async function filesOf(items: DataTransferItemList): Promise<File[]> {
   return found.filter((file) => !file.name.startsWith('.'));
 }
 
+/** Opens the browser's dialog for one file; `accept`: endings, separated by commas. */
+export function chooseFile(accept: string, then: (file: File) => void): void {
+  const input = document.createElement('input');
+  input.type = 'file';
+  input.accept = accept;
+  input.onchange = () => {
+    if (input.files?.[0]) then(input.files[0]);
+  };
+  input.click();
+}
+
 /** Opens the browser's dialog for files, or for a folder. */
 export function chooseFiles(folder: boolean, then: (files: File[]) => void): void {
   const input = document.createElement('input');

@@ -10,6 +10,13 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   predict: 'Predicting the face',
   compare: 'Comparing',
   uncertainty: 'Computing the band',
+  teeth: 'Numbering the teeth',
+  arches: 'Registering intraoral scans',
+  occlusion: 'Finding the occlusion',
+  splint: 'Making a splint',
+  nerve: 'Tracing the canals',
+  airway: 'Measuring the airway',
+  cephalogram: 'Computing the cephalogram',
 };
 
 /** Lines of output that are kept of each job. */

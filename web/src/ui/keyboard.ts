@@ -23,7 +23,7 @@ export function listenToKeys(app: App, view: Viewer): void {
       app.redo();
     } else if (command || event.altKey || field) {
       return;
-    } else if (/^[1-8]$/.test(event.key)) {
+    } else if (/^[1-9]$/.test(event.key)) {
       app.setStep(STEPS[Number(event.key) - 1].name);
     } else if (event.key === '?') {
       app.patch({ help: !s.help });
@@ -35,6 +35,8 @@ export function listenToKeys(app: App, view: Viewer): void {
       if (s.step === 'landmarks' && s.landmark) app.edit({ landmarks: withoutLandmark(doc.landmarks, s.landmark) });
       else if (s.step === 'osteotomy' && s.plane !== null)
         app.edit({ plan: withoutPlane(doc.plan, s.segment, s.plane) });
+      else if (s.step === 'measures' && s.nervePoint && s.nervePoint in s.nervePoints)
+        void app.measures.removePoint(s.nervePoint);
       else if (s.step === 'movement' && doc.plan.segments[s.segment])
         app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
     } else if ((event.key === '[' || event.key === ']') && s.step === 'compare') {

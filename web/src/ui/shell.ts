@@ -10,6 +10,8 @@ import { anatomyPanel } from './steps/anatomy_panel';
 import { casePanel, welcome } from './steps/case_panel';
 import { compareDock, comparePanel } from './steps/compare_panel';
 import { landmarkPanel } from './steps/landmark_panel';
+import { cephalogramCover } from './steps/cephalogram_section';
+import { measuresPanel } from './steps/measures_panel';
 import { movementPanel } from './steps/movement_panel';
 import { osteotomyFoot, osteotomyPanel } from './steps/osteotomy_panel';
 import { predictFoot, predictPanel } from './steps/predict_panel';
@@ -25,6 +27,7 @@ const PANELS: Record<StepName, (app: App, s: State, view: Viewer) => Html> = {
   tissue: tissuePanel,
   predict: predictPanel,
   compare: comparePanel,
+  measures: measuresPanel,
 };
 
 const FEET: Partial<Record<StepName, (app: App, s: State) => Html>> = {
@@ -41,10 +44,16 @@ const LAYOUTS: Record<StepName, 'four' | 'slices' | 'three'> = {
   tissue: 'three',
   predict: 'three',
   compare: 'three',
+  measures: 'three',
 };
 
-const layoutOf = (s: State): 'four' | 'slices' | 'three' =>
-  s.step === 'movement' && s.showSlices ? 'slices' : LAYOUTS[s.step];
+/** Points and numbers are checked on slices. */
+const isOnSlices = (s: State): boolean => s.step === 'measures' && (s.measure === 'teeth' || s.measure === 'nerve');
+
+function layoutOf(s: State): 'four' | 'slices' | 'three' {
+  if (isOnSlices(s)) return 'four';
+  return s.step === 'movement' && s.showSlices ? 'slices' : LAYOUTS[s.step];
+}
 
 const VIEWS: { value: ViewName; text: string; title: string }[] = [
   { value: 'front', text: 'Front', title: 'From the front' },
@@ -66,6 +75,7 @@ function dotOf(app: App, s: State, step: StepName): string {
     tissue: null,
     predict: 'prediction',
     compare: null,
+    measures: null,
   }[step] as 'scan' | 'anatomy' | 'landmarks' | 'cut' | 'check' | 'prediction' | null;
   if (!stage) return '';
   if (stage === 'check' && app.model.doc.plan.segments.length === 0) return '';
@@ -237,6 +247,7 @@ function covers(app: App, s: State): Html {
             button('To the case', () => app.setStep('case'), { kind: 'primary' }),
           )}
         </div>`;
+  if (s.step === 'measures' && s.measure === 'cephalogram') return cephalogramCover(s);
   if (s.step === 'compare' && s.compareView === 'band')
     return stageOf(s, 'uncertainty').etag === null
       ? html`<div class="cover">
@@ -257,14 +268,14 @@ function covers(app: App, s: State): Html {
 }
 
 const KEYS: [string, string][] = [
-  ['1 – 8', 'Go to a step'],
+  ['1 – 9', 'Go to a step'],
   ['Ctrl+Z, Ctrl+Shift+Z', 'Undo, redo'],
   ['F, R, L, B', 'View from the front, the right, the left, below'],
   ['↑ ↓, PgUp PgDn', 'Next and previous slice, when a slice has the focus'],
   ['↑ ↓ in a number', 'Change by one step; with Shift by ten'],
   ['[ and ]', 'Move the divider between before and after; radius of the boundary brush'],
   ['E', 'Switch the boundary brush between painting and erasing'],
-  ['Delete', 'Remove the selected landmark, plane or keyframe'],
+  ['Delete', 'Remove the selected landmark, plane, keyframe or corrected point'],
   ['Enter, Escape', 'Close the curve; cancel a tool'],
   ['?', 'Show this list'],
 ];

@@ -15,6 +15,8 @@ import {
   WINDOW_PRESETS,
 } from '../model';
 
+import { initialMeasures, type MeasureState } from './measure_state';
+
 export const STEPS = [
   { name: 'case', title: 'Case' },
   { name: 'anatomy', title: 'Anatomy' },
@@ -24,6 +26,7 @@ export const STEPS = [
   { name: 'tissue', title: 'Tissue & solver' },
   { name: 'predict', title: 'Predict' },
   { name: 'compare', title: 'Compare' },
+  { name: 'measures', title: 'Teeth & measures' },
 ] as const;
 
 export type StepName = (typeof STEPS)[number]['name'];
@@ -57,7 +60,7 @@ export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush' | 'paint';
 
-export interface State {
+export interface State extends MeasureState {
   connection: 'connecting' | 'on' | 'lost';
   /** The planner cannot work: no token, or a server of another version. */
   fatal: string | null;
@@ -256,6 +259,7 @@ export const initialState = (): State => ({
   ...initialViews(),
   ...initialPlanning(),
   ...initialResults(),
+  ...initialMeasures(),
 });
 
 export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
@@ -267,6 +271,8 @@ export interface LoadedSurface {
   condition?: Uint8Array;
   /** Of the surface `band`. */
   band?: Band;
+  /** Of the surface `lower_in_occlusion`: gap to the upper arch. */
+  gap_mm?: Float32Array;
 }
 
 /** All data of the page. Large arrays are not part of the state, because no text depends on them. */

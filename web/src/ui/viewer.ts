@@ -17,6 +17,8 @@ import type { App } from './app';
 import { BandView } from './band_view';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
+import { nerveOutlines } from './measure_marks';
+import { MEASURE_COLORS, MeasuresView } from './measures_view';
 import type { SceneListeners } from './planner_context';
 import { ProfileDrag } from './profile_drag';
 import { nextFrame } from './schedule';
@@ -54,6 +56,8 @@ const DRAWN_KEYS: readonly (keyof State)[] = [
   ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
   ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
   ...(['showBones', 'wipe', 'compareView', 'uncertainty'] as const),
+  ...(['measure', 'teeth', 'toothCorrections', 'showOcclusion', 'splintSettings', 'splints'] as const),
+  ...(['nerve', 'nervePoints', 'nervePoint', 'nerveDrag'] as const),
 ];
 
 const SLICE_KEYS: readonly (keyof State)[] = ['window', 'cursor_L', 'thresholdOn', 'bone_hu', 'volume'];
@@ -73,6 +77,7 @@ export class Viewer implements SceneListeners {
   readonly slices: readonly SliceView[];
   compare!: CompareView;
   band!: BandView;
+  private measures!: MeasuresView;
   profileDrag!: ProfileDrag;
   private boundary!: BoundaryView;
   private input!: ViewerInput;
@@ -121,6 +126,7 @@ export class Viewer implements SceneListeners {
     this.app = app;
     this.compare = new CompareView(this.view, app);
     this.band = new BandView(this.view, app);
+    this.measures = new MeasuresView(this.view, app);
     this.profileDrag = new ProfileDrag(app, () => this.view.body('skin'));
     this.boundary = new BoundaryView(this.view, app);
     this.input = new ViewerInput(app, () => this.present());
@@ -142,7 +148,7 @@ export class Viewer implements SceneListeners {
       ? segmentColor(Math.max(0, index))
       : /skin|predicted|after_surgery|band/.test(name)
         ? SKIN
-        : BONE;
+        : (MEASURE_COLORS[name] ?? BONE);
     this.view.setBody(name, surface, color);
     this.surfaceCount++;
     this.previewKey = this.depthKey = '';
@@ -226,6 +232,7 @@ export class Viewer implements SceneListeners {
     this.presentSlices(s);
     this.compare.present(s);
     if (isBandShown(s)) this.band.present();
+    this.measures.present(s);
     this.view.refreshMarkers();
   }
 
@@ -245,6 +252,7 @@ export class Viewer implements SceneListeners {
   private bodies(s: State): string[] {
     if (isBandShown(s)) return ['band'];
     if (s.step === 'compare') return this.compare.bodies(s);
+    if (s.step === 'measures') return this.measures.bodies(s);
     const segments = this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`);
     const isCut =
       s.case !== null && this.view.body('remainder') !== undefined && segments.some((name) => this.view.body(name));
@@ -263,6 +271,7 @@ export class Viewer implements SceneListeners {
       tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
       predict: s.showPreview ? 1 : 0.45,
       compare: 1,
+      measures: 0,
     };
     return opacities[s.step];
   }
@@ -377,6 +386,11 @@ export class Viewer implements SceneListeners {
   private outlines(at: { point: Vec3; normal: Vec3 }): SliceLines[] {
     const { s, doc } = this.app.model;
     if (s.step === 'osteotomy') return planeOutlines(doc, s, at);
+    if (s.step === 'measures' && s.measure === 'nerve')
+      return nerveOutlines(
+        ['nerve_right', 'nerve_left'].flatMap((name) => this.view.body(name)?.surface ?? []),
+        at,
+      );
     if (s.step !== 'movement') return [];
     const poses = this.app.poses();
     return doc.plan.segments.flatMap(({ name }, index) => {

@@ -19,6 +19,7 @@ import {
 } from '../model';
 import type { GizmoDrag, Phase } from '../scene';
 import type { App } from './app';
+import { selectNervePoint } from './measure_marks';
 
 /** Edits the document as the pointer acts on the views. */
 export class ViewerInput {
@@ -105,6 +106,7 @@ export class ViewerInput {
 
   onMarkerSelect(id: string): void {
     const { s, doc } = this.app.model;
+    if (s.step === 'measures') selectNervePoint(this.app, id);
     if (id.startsWith('curve ') || s.step !== 'landmarks') return;
     const landmark = doc.landmarks.find((l) => l.name === id);
     this.app.patch({ landmark: id, tool: 'none', ...(landmark ? { cursor_L: landmark.position_mm } : {}) });
@@ -115,6 +117,10 @@ export class ViewerInput {
     const { app } = this;
     const { s, doc } = app.model;
     const at = roundVec3(point, 1);
+    if (s.step === 'measures') {
+      if (s.measure === 'nerve') app.measures.dragPoint(id, at, phase === 'end');
+      return;
+    }
     if (id.startsWith('curve ') && s.curveDraft) {
       const n = Number(id.slice(6));
       app.patch({ curveDraft: { ...s.curveDraft, points: s.curveDraft.points.map((p, k) => (k === n ? at : p)) } });

@@ -24,6 +24,7 @@ import {
 } from '../model';
 import type { Marker, PlaneMark, Polyline, SliceLines, SliceMarker } from '../scene';
 import { checkedFragments } from './fragments';
+import { measureMarkers } from './measure_marks';
 import type { Doc, State } from './state';
 
 // Marks of the plan in the 3D view and on the slices, as functions of document and state.
@@ -44,6 +45,7 @@ export function markersOf(doc: Doc, s: State): Marker[] {
       color: SELECTED_COLOR,
       draggable: true,
     }));
+  if (s.step === 'measures') return measureMarkers(s);
   if (s.step === 'movement')
     return checkedFragments(s).map(({ segment, center_mm }, n) => ({
       id: `fragment ${n}`,
@@ -68,6 +70,7 @@ export function markersOf(doc: Doc, s: State): Marker[] {
 
 /** Landmarks on the slices. */
 export function sliceMarkersOf(doc: Doc, s: State): SliceMarker[] {
+  if (s.step === 'measures') return measureMarkers(s).map((marker) => ({ ...marker, selected: !!marker.selected }));
   if (s.step !== 'landmarks') return [];
   return doc.landmarks.map(({ name, position_mm }) => ({
     id: name,

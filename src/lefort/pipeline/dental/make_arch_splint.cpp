@@ -7,6 +7,7 @@
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/dental/arch_directions.h>
 #include <lefort/pipeline/dental/dental_json.h>
+#include <lefort/pipeline/json/json_values.h>
 
 #include <fmt/format.h>
 
@@ -85,6 +86,9 @@ Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
                   {"volume_ml", splint.volume_ml},
                   {"parts", splint.parts},
                   {"min_thickness_mm", splint.min_thickness_mm},
+                  {"open_mm", job.open_mm},
+                  {"upper_pose_4x4_row_major_mm_lps", as_json(X_upper)},
+                  {"lower_pose_4x4_row_major_mm_lps", as_json(X_lower)},
                   {"upper", fit_json(splint.upper)},
                   {"lower", fit_json(splint.lower)}};
   summary.text = text_of(splint, file);

@@ -55,9 +55,9 @@ Response without_folder(Response reply, const fs::path& folder) {
 
 /// All groups of routes, in the order in which a case is worked on.
 constexpr std::span<const Route> (*kGroups[])() = {
-    case_routes,       job_routes,        scan_routes,        boundary_routes,
-    surface_routes,    landmark_routes,   plan_routes,        movement_routes,
-    prediction_routes, comparison_routes, uncertainty_routes, file_routes};
+    case_routes,        job_routes,     scan_routes,     boundary_routes,   surface_routes,
+    landmark_routes,    plan_routes,    movement_routes, prediction_routes, comparison_routes,
+    uncertainty_routes, measure_routes, file_routes};
 
 }  // namespace
 

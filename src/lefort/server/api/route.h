@@ -32,6 +32,7 @@ struct Route {
 [[nodiscard]] std::span<const Route> prediction_routes();   ///< Steps of the prediction.
 [[nodiscard]] std::span<const Route> comparison_routes();   ///< Comparison; values on surfaces.
 [[nodiscard]] std::span<const Route> uncertainty_routes();  ///< Band of the predicted face.
+[[nodiscard]] std::span<const Route> measure_routes();      ///< Teeth, canals and other measures.
 [[nodiscard]] std::span<const Route> file_routes();         ///< Files for download.
 
 }  // namespace lefort::server

@@ -1,3 +1,4 @@
+#include <lefort/io/earlier_check_files.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
 #include <lefort/io/predicted_poses.h>
@@ -5,6 +6,7 @@
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/case/case_folder.h>
+#include <lefort/server/case/measure_stages.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -98,6 +100,14 @@ const char* in_words(const std::string& input) {
   if (input == "ct") return "the scan was replaced after this was computed";
   if (input == "labels")
     return "the labels changed after the surfaces were made: make the surfaces again";
+  if (input == "tissues") return "the labels changed after this was computed";
+  if (input == "landmarks") return "the landmarks changed after this was computed";
+  if (input == "numbers") return "numbers of teeth were corrected after this was computed";
+  if (input == "points") return "points on the canals were corrected after this was computed";
+  if (input == "arches") return "the registered intraoral scans changed, or are out of date";
+  if (input == "occlusion") return "the occlusion changed, or is out of date";
+  if (input == "check") return "the check of the plan changed, or is out of date";
+  if (input == "nerve") return "the canals of the nerves changed after this was computed";
   if (input == "prediction") return "the prediction changed after this was computed";
   if (input == "cut")
     return "the plan's cuts, landmarks or thresholds changed after this was computed";
@@ -209,6 +219,12 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   const auto ct_sha256 = fingerprint(ct());
   if (!ct_sha256) return std::nullopt;
   Inputs inputs{{"ct", *ct_sha256}};
+  if (is_measure(stage)) {
+    const auto others = inputs_of_measure(*this, stage);
+    if (!others) return std::nullopt;
+    inputs.insert(others->begin(), others->end());
+    return inputs;
+  }
   if (stage == "anatomy") {
     const auto labels_sha256 = fingerprint(labels());
     if (!labels_sha256) return std::nullopt;
@@ -225,6 +241,10 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   if (!text) return std::nullopt;
   const json plan_json = parse_limited(*text);
   if (!check_files_of_plan(*text)) return std::nullopt;
+  if (stage == "check" && this->stage("nerve")["state"] == "fresh")
+    inputs["nerve"] = fingerprint(nerve() / "nerve.json").value_or("");
+  if (const auto numbers = server::tooth_corrections(*this); stage == "check" && numbers)
+    inputs["numbers"] = fingerprint(*numbers).value_or("");
   if (stage == "cut" || stage == "preview") {
     io::Sha256 sum;
     sum.add(cutting_part(plan_json).dump());
@@ -254,10 +274,20 @@ Result<void> CaseFolder::record_scan(std::string_view stage) {
   return record_inputs(stage, ct_sha256 ? Inputs{{"ct", *ct_sha256}} : Inputs{});
 }
 
+bool CaseFolder::is_of_scan(std::string_view stage) const {
+  const json recorded = read_object(root_ / "stages.json");
+  const json& scan = member(member(recorded, std::string(stage).c_str()), "ct");
+  return !scan.is_string() || scan == fingerprint(ct()).value_or("");
+}
+
 Result<void> CaseFolder::replace_scan(const fs::path& prepared) {
   const json recorded = read_object(root_ / "stages.json");
-  const std::pair<const char*, fs::path> made_on_scan[] = {
-      {"landmarks", landmarks()}, {"plan", plan()}, {"boundary", boundary()}};
+  const std::pair<const char*, fs::path> made_on_scan[] = {{"landmarks", landmarks()},
+                                                           {"plan", plan()},
+                                                           {"boundary", boundary()},
+                                                           {"anatomy", labels()},
+                                                           {kToothCorrections, tooth_corrections()},
+                                                           {kNervePoints, nerve_points()}};
   for (const auto& [stage, file] : made_on_scan)  // Without a record: of the scan until now.
     if (there_is(file) && !member(member(recorded, stage), "ct").is_string())
       LEFORT_TRY_VOID(record_scan(stage));
@@ -295,7 +325,10 @@ json CaseFolder::describe() const {
 Result<void> CaseFolder::forget_result(std::string_view stage) const {
   std::vector<fs::path> documents;
   if (stage == "cut") documents = {cut() / "cut.json"};
-  if (stage == "check") documents = {check() / "check.json"};
+  // A check replaces the files that check.json lists, and no others: they are removed with it.
+  if (stage == "check")
+    documents =
+        io::earlier_check_files(check()).value_or(std::vector<fs::path>{check() / "check.json"});
   if (stage == "preview") documents = {preview() / "preview.json"};
   if (stage == "prediction")
     documents = {prediction() / "prediction.json", prediction() / "failure.json"};
@@ -313,6 +346,7 @@ fs::path CaseFolder::document_of(std::string_view stage) const {
   if (stage == "preview") return preview() / "preview.json";
   if (stage == "uncertainty") return uncertainty() / "uncertainty.json";
   if (stage == "comparison") return comparison() / "compare.json";
+  if (is_measure(stage)) return document_of_measure(*this, stage);
   const fs::path failure = prediction() / "failure.json";
   return there_is(failure) ? failure : prediction() / "prediction.json";
 }

@@ -50,6 +50,22 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path comparison() const { return root_ / "comparison"; }
   /// Results of `lefort uncertainty`, of the job or of the command line.
   [[nodiscard]] std::filesystem::path uncertainty() const { return root_ / "uncertainty"; }
+  /// Numbered teeth, and corrections of their numbers.
+  [[nodiscard]] std::filesystem::path teeth() const { return root_ / "teeth"; }
+  [[nodiscard]] std::filesystem::path tooth_corrections() const {
+    return root_ / "teeth_corrections.json";
+  }
+  /// Intraoral scans as uploaded, and in the frame of the CT.
+  [[nodiscard]] std::filesystem::path scans() const { return root_ / "intraoral_scans"; }
+  [[nodiscard]] std::filesystem::path arches() const { return root_ / "arches"; }
+  [[nodiscard]] std::filesystem::path occlusion() const { return root_ / "occlusion"; }
+  /// Canals, and corrected points on them.
+  [[nodiscard]] std::filesystem::path nerve() const { return root_ / "nerve"; }
+  [[nodiscard]] std::filesystem::path nerve_points() const {
+    return root_ / "nerve_points.mrk.json";
+  }
+  [[nodiscard]] std::filesystem::path airway() const { return root_ / "airway"; }
+  [[nodiscard]] std::filesystem::path cephalogram() const { return root_ / "cephalogram"; }
   /// Cached labels, fields and tissue meshes of all stages.
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
@@ -70,17 +86,22 @@ class CaseFolder {
   /// Fingerprints of the present inputs of a stage; nothing if one is missing or the plan is
   /// invalid.
   ///
-  /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison".
+  /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison", or one of
+  ///   is_measure().
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
 
   /// Stores the fingerprints of the inputs of a stage.
   [[nodiscard]] Result<void> record_inputs(std::string_view stage, const Inputs& inputs);
 
-  /// Stores that landmarks, plan or painted boundary conditions were made on the present scan. With
-  /// another scan they are stale.
+  /// Stores that landmarks, plan, painted boundary conditions or corrections were made on the
+  /// present scan. With another scan they are stale.
   ///
-  /// \param stage  "landmarks", "plan", "boundary".
+  /// \param stage  "landmarks", "plan", "boundary", kToothCorrections, kNervePoints.
   [[nodiscard]] Result<void> record_scan(std::string_view stage);
+
+  /// Whether what record_scan() or record_inputs() stored is of the present scan; true without a
+  /// record.
+  [[nodiscard]] bool is_of_scan(std::string_view stage) const;
 
   /// Replaces scan and description together by those of a folder, which is moved. After an
   /// interruption and the next open() either both are the earlier ones or both are the new ones.
@@ -141,9 +162,12 @@ inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 [[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);
 
 /// The stages of a case, in order.
-inline constexpr const char* kStages[] = {"scan",       "anatomy",    "landmarks",  "plan",
-                                          "boundary",   "cut",        "check",      "preview",
-                                          "prediction", "comparison", "uncertainty"};
+inline constexpr const char* kStages[] = {
+    "scan",       "anatomy",    "landmarks",    "plan",
+    "boundary",   "cut",        "check",        "preview",
+    "prediction", "comparison", "uncertainty",  "teeth",
+    "arches",     "occlusion",  "splint_final", "splint_intermediate",
+    "nerve",      "airway",     "cephalogram"};
 
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);

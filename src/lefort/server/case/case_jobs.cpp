@@ -11,6 +11,8 @@
 #include <lefort/server/api/contract_text.h>
 #include <lefort/server/case/case_jobs.h>
 #include <lefort/server/case/event_batcher.h>
+#include <lefort/server/case/job_parts.h>
+#include <lefort/server/case/measure_jobs.h>
 
 #include <fmt/format.h>
 
@@ -30,18 +32,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
-
-/// Removes paths, which a page does not need.
-JobOutcome reported(const pipeline::Summary& summary) {
-  JobOutcome outcome{summary.text, summary.json};
-  outcome.result.erase("output");
-  return outcome;
-}
-
-Result<void> check_scan(const CaseFolder& folder) {
-  if (there_is(folder.ct())) return {};
-  return fail(ErrorCode::kFileNotFound, "the case has no scan: import one first");
-}
 
 Result<void> check_plan(const CaseFolder& folder) {
   LEFORT_TRY_VOID(check_scan(folder));
@@ -139,13 +129,8 @@ Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, Progress
   auto inputs = folder.inputs_of(stage);
   if (inputs) LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
   Result<JobOutcome> outcome = work();
-  if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
-    // An input that changed meanwhile may or may not have been read: the result matches no input,
-    // not even if the change is undone.
-    for (auto& [name, sha256] : *inputs)
-      if (!now || now->at(name) != sha256) sha256.clear();
-    LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
-  }
+  if (const auto now = folder.inputs_of(stage); inputs && now != inputs)
+    LEFORT_TRY_VOID(folder.record_inputs(stage, inputs_read(*std::move(inputs), now)));
   return outcome;
 }
 
@@ -159,6 +144,16 @@ Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress
   });
 }
 
+/// The canals of the case unless they are out of date, which is noted.
+std::optional<fs::path> nerve_of_check(const CaseFolder& folder, Progress& progress) {
+  const std::string state = folder.stage("nerve")["state"];
+  if (state == "stale")
+    progress.note(
+        "warning: the canals of the nerves are out of date; the check does not include them");
+  if (state != "fresh") return std::nullopt;
+  return folder.nerve() / "nerve.json";
+}
+
 Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_stage(folder, "check", progress, [&]() -> Result<JobOutcome> {
@@ -169,6 +164,8 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
                                  .cache = folder.cache(),
                                  .limits = {},
                                  .pictures = false};
+    check.nerve = nerve_of_check(folder, progress);
+    // CONNECT: check.tooth_corrections = tooth_corrections(folder);
     LEFORT_TRY(const pipeline::PlanCheckSummary found, pipeline::check_plan_file(check, progress));
     JobOutcome outcome = reported(found.summary);
     outcome.has_findings = found.has_findings;
@@ -251,13 +248,6 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
   });
 }
 
-/// Otherwise the upload is a scan.
-bool is_surface(const fs::path& upload) {
-  for (const char* ending : {".vtp", ".stl", ".ply", ".obj"})
-    if (upload.extension() == ending) return true;
-  return false;
-}
-
 Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
@@ -298,7 +288,7 @@ Result<JobOutcome> uncertainty_job(const JobContext& context, const JobRecord& j
 
 struct Kind {
   const char* name;
-  const char* stage;
+  const char* stage;  ///< That it computes; null: stage_of_splint().
   Doer run;
 };
 
@@ -309,7 +299,14 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"preview-factor", "preview", preview_job},
                            {"predict", "prediction", predict_job},
                            {"compare", "comparison", compare_job},
-                           {"uncertainty", "uncertainty", uncertainty_job}};
+                           {"uncertainty", "uncertainty", uncertainty_job},
+                           {"teeth", "teeth", teeth_job},
+                           {"arches", "arches", arches_job},
+                           {"occlusion", "occlusion", occlusion_job},
+                           {"splint", nullptr, splint_job},
+                           {"nerve", "nerve", nerve_job},
+                           {"airway", "airway", airway_job},
+                           {"cephalogram", "cephalogram", cephalogram_job}};
 
 }  // namespace
 
@@ -331,9 +328,9 @@ std::vector<std::string> job_kinds() {
   return names;
 }
 
-std::string job_of_stage(std::string_view stage) {
+std::string stage_of(const JobRecord& job) {
   for (const Kind& kind : kKinds)
-    if (kind.stage == stage) return kind.name;
+    if (job.kind == kind.name) return kind.stage != nullptr ? kind.stage : stage_of_splint(job);
   return "";
 }
 

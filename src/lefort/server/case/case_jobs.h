@@ -36,8 +36,8 @@ struct JobContext {
 /// The kinds of run_job().
 [[nodiscard]] std::vector<std::string> job_kinds();
 
-/// The kind of job that computes a stage; empty for a stage that the user edits.
-[[nodiscard]] std::string job_of_stage(std::string_view stage);
+/// The stage that a job computes; empty for an unknown kind.
+[[nodiscard]] std::string stage_of(const JobRecord& job);
 
 /// \param job  whose parameters match contract/openapi.json, JobRequest.
 [[nodiscard]] Result<JobOutcome> run_job(const JobContext& context, const JobRecord& job,

@@ -1,5 +1,6 @@
 #include <lefort/pipeline/prepare/interface_surface.h>
 #include <lefort/server/case/file_catalog.h>
+#include <lefort/server/case/measure_stages.h>
 
 #include <algorithm>
 
@@ -15,6 +16,8 @@ fs::path interface_surface(const CaseFolder& folder) {
 }
 
 #define LEFORT_IN(folder, file) [](const CaseFolder& c) -> fs::path { return c.folder() / (file); }
+#define LEFORT_SPLINT(stage, file) \
+  [](const CaseFolder& c) -> fs::path { return folder_of_measure(c, stage) / (file); }
 const NamedFile kFiles[] = {
     {"ct.nrrd", "scan", [](const CaseFolder& c) { return c.ct(); }},
     {"labels.seg.nrrd", "anatomy", [](const CaseFolder& c) { return c.labels(); }},
@@ -49,7 +52,43 @@ const NamedFile kFiles[] = {
     {"uncertainty.json", "uncertainty", LEFORT_IN(uncertainty, "uncertainty.json")},
     {"uncertainty.vtp", "uncertainty", LEFORT_IN(uncertainty, "uncertainty.vtp")},
     {"samples.csv", "uncertainty", LEFORT_IN(uncertainty, "samples.csv")},
-    {"uncertain_inputs.json", "uncertainty", LEFORT_IN(uncertainty, "inputs.json")}};
+    {"uncertain_inputs.json", "uncertainty", LEFORT_IN(uncertainty, "inputs.json")},
+    {"teeth_numbered.seg.nrrd", "teeth", LEFORT_IN(teeth, "teeth_numbered.seg.nrrd")},
+    {"teeth.csv", "teeth", LEFORT_IN(teeth, "teeth.csv")},
+    {"teeth.json", "teeth", LEFORT_IN(teeth, "teeth.json")},
+    {"teeth.mrk.json", "teeth", LEFORT_IN(teeth, "teeth.mrk.json")},
+    {"arches.json", "arches", LEFORT_IN(arches, "arches.json")},
+    {"upper.stl", "arches", LEFORT_IN(arches, "upper.stl")},
+    {"upper.tfm", "arches", LEFORT_IN(arches, "upper.tfm")},
+    {"upper_crowns.vtp", "arches", LEFORT_IN(arches, "upper_crowns.vtp")},
+    {"lower.stl", "arches", LEFORT_IN(arches, "lower.stl")},
+    {"lower.tfm", "arches", LEFORT_IN(arches, "lower.tfm")},
+    {"lower_crowns.vtp", "arches", LEFORT_IN(arches, "lower_crowns.vtp")},
+    {"occlusion.json", "occlusion", LEFORT_IN(occlusion, "occlusion.json")},
+    {"lower_in_occlusion.stl", "occlusion", LEFORT_IN(occlusion, "lower.stl")},
+    {"lower_to_occlusion.tfm", "occlusion", LEFORT_IN(occlusion, "lower_to_occlusion.tfm")},
+    {"lower_contacts.vtp", "occlusion", LEFORT_IN(occlusion, "lower_contacts.vtp")},
+    {"splint_final.stl", "splint_final", LEFORT_SPLINT("splint_final", "splint.stl")},
+    {"splint_final.json", "splint_final", LEFORT_SPLINT("splint_final", "splint.json")},
+    {"splint_intermediate.stl", "splint_intermediate",
+     LEFORT_SPLINT("splint_intermediate", "splint.stl")},
+    {"splint_intermediate.json", "splint_intermediate",
+     LEFORT_SPLINT("splint_intermediate", "splint.json")},
+    {"nerve.json", "nerve", LEFORT_IN(nerve, "nerve.json")},
+    {"nerve.mrk.json", "nerve", LEFORT_IN(nerve, "nerve.mrk.json")},
+    {"nerve_right.vtp", "nerve", LEFORT_IN(nerve, "nerve_right.vtp")},
+    {"nerve_left.vtp", "nerve", LEFORT_IN(nerve, "nerve_left.vtp")},
+    {"airway.json", "airway", LEFORT_IN(airway, "airway.json")},
+    {"airway.csv", "airway", LEFORT_IN(airway, "airway.csv")},
+    {"airway.svg", "airway", LEFORT_IN(airway, "airway.svg")},
+    {"airway.vtp", "airway", LEFORT_IN(airway, "airway.vtp")},
+    {"cephalogram.json", "cephalogram", LEFORT_IN(cephalogram, "cephalogram.json")},
+    {"cephalometry.pdf", "cephalogram", LEFORT_IN(cephalogram, "cephalometry.pdf")},
+    {"lateral.png", "cephalogram", LEFORT_IN(cephalogram, "lateral.png")},
+    {"frontal.png", "cephalogram", LEFORT_IN(cephalogram, "frontal.png")},
+    {"tracing.png", "cephalogram", LEFORT_IN(cephalogram, "tracing.png")},
+    {"measurements.csv", "cephalogram", LEFORT_IN(cephalogram, "measurements.csv")},
+    {"norms.csv", "cephalogram", LEFORT_IN(cephalogram, "norms.csv")}};
 
 const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
@@ -59,7 +98,17 @@ const NamedFile kSurfaces[] = {
     {"skin_before", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
     {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
     {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")},
-    {kBandSurface, "uncertainty", LEFORT_IN(uncertainty, "uncertainty.vtp")}};
+    {kBandSurface, "uncertainty", LEFORT_IN(uncertainty, "uncertainty.vtp")},
+    {"upper_arch", "arches", LEFORT_IN(arches, "upper.stl")},
+    {"lower_arch", "arches", LEFORT_IN(arches, "lower.stl")},
+    {kOcclusionSurface, "occlusion", LEFORT_IN(occlusion, "lower_contacts.vtp")},
+    {"splint_final", "splint_final", LEFORT_SPLINT("splint_final", "splint.stl")},
+    {"splint_intermediate", "splint_intermediate",
+     LEFORT_SPLINT("splint_intermediate", "splint.stl")},
+    {"nerve_right", "nerve", LEFORT_IN(nerve, "nerve_right.vtp")},
+    {"nerve_left", "nerve", LEFORT_IN(nerve, "nerve_left.vtp")},
+    {"airway", "airway", LEFORT_IN(airway, "airway.vtp")}};
+#undef LEFORT_SPLINT
 #undef LEFORT_IN
 
 }  // namespace

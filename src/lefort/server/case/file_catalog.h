@@ -28,6 +28,9 @@ inline constexpr std::string_view kInterfaceSurface = "interface";
 /// The median face of the uncertain inputs, with the band at each vertex.
 inline constexpr std::string_view kBandSurface = "band";
 
+/// The lower arch in occlusion, with the gap to the upper one at each vertex.
+inline constexpr std::string_view kOcclusionSurface = "lower_in_occlusion";
+
 /// The stage whose tissue mesh is that of the present plan: "preview" if that is fresh, else
 /// "prediction" if that is fresh, else nothing.
 [[nodiscard]] std::optional<std::string_view> fresh_tissue_stage(const CaseFolder& folder);

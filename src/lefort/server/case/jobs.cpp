@@ -130,7 +130,10 @@ Jobs::Jobs(fs::path folder, EventLog& events, Work work, Changed changed)
   std::error_code error;
   fs::create_directories(folder_, error);
   for (const auto& entry : fs::directory_iterator(folder_, error))
-    if (auto job = read_record(entry.path())) jobs_.emplace(job->id, *std::move(job));
+    if (auto job = read_record(entry.path())) {
+      const int id = job->id;
+      jobs_.emplace(id, *std::move(job));
+    }
   for (auto& [id, job] : jobs_) {
     if (job.is_over()) continue;
     job.state = "interrupted";
@@ -185,10 +188,11 @@ std::optional<JobRecord> Jobs::find(int id) const {
   return found == jobs_.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::optional<JobRecord> Jobs::last_of(std::string_view kind) const {
+std::optional<JobRecord> Jobs::last_of(
+    const std::function<bool(const JobRecord&)>& is_wanted) const {
   const std::scoped_lock lock(mutex_);
   for (auto job = jobs_.rbegin(); job != jobs_.rend(); ++job)
-    if (job->second.kind == kind) return job->second;
+    if (is_wanted(job->second)) return job->second;
   return std::nullopt;
 }
 

@@ -68,8 +68,9 @@ class Jobs {
 
   [[nodiscard]] std::vector<JobRecord> all() const;
   [[nodiscard]] std::optional<JobRecord> find(int id) const;
-  /// The last job of a kind, if there was one.
-  [[nodiscard]] std::optional<JobRecord> last_of(std::string_view kind) const;
+  /// The last job that `is_wanted` accepts, if there was one.
+  [[nodiscard]] std::optional<JobRecord> last_of(
+      const std::function<bool(const JobRecord&)>& is_wanted) const;
   [[nodiscard]] bool is_idle() const;
 
   /// Requests a running job to stop and cancels a queued one; a job that has ended is unchanged.

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kKeptSurfaces = 24;  // Eight, and those of 16 segments.
+constexpr std::size_t kKeptSurfaces = 32;  // 16, and those of 16 segments.
 
 }  // namespace
 
@@ -39,8 +39,8 @@ json ServedCase::stages() const {
   json stages = json::object();
   for (const char* name : kStages) {
     json stage = folder.stage(name);
-    const std::string kind = job_of_stage(name);
-    if (const auto job = kind.empty() ? std::nullopt : jobs.last_of(kind)) {
+    const auto computes = [&](const JobRecord& job) { return stage_of(job) == name; };
+    if (const auto job = jobs.last_of(computes)) {
       if (job->state == "running") {
         stage["state"] = "running";
         stage["why"] = "";

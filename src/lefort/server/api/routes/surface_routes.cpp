@@ -71,6 +71,7 @@ Response get_surface(ServedCase& served, const Request& request, const PathValue
   if (surface->name == kInterfaceSurface)
     scalars = {pipeline::kConditionArray, pipeline::kRuleArray};
   if (surface->name == kBandSurface) scalars = {"band_width_mm", "p5_mm", "p95_mm"};
+  if (surface->name == kOcclusionSurface) scalars = {"gap_mm"};
   return surface_reply(served, request, surface->path(served.folder), scalars);
 }
 

@@ -1,0 +1,30 @@
+/// \file
+/// What jobs of several kinds have in common.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/pipeline/summary.h>
+#include <lefort/server/case/case_folder.h>
+#include <lefort/server/case/jobs.h>
+
+#include <filesystem>
+#include <optional>
+
+namespace lefort::server {
+
+/// The outcome without paths, which a page does not need.
+[[nodiscard]] JobOutcome reported(const pipeline::Summary& summary);
+
+/// \returns nothing, or kFileNotFound if the case has no scan.
+[[nodiscard]] Result<void> check_scan(const CaseFolder& folder);
+
+/// Whether an upload is a surface; otherwise it is a scan.
+[[nodiscard]] bool is_surface(const std::filesystem::path& upload);
+
+/// The inputs recorded for a result: those before its computation, with an invalid fingerprint
+/// where one has changed since. Such an input may or may not have been read: the result matches no
+/// input, not even if the change is undone.
+[[nodiscard]] CaseFolder::Inputs inputs_read(CaseFolder::Inputs before,
+                                             const std::optional<CaseFolder::Inputs>& now);
+
+}  // namespace lefort::server
