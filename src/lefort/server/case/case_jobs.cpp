@@ -13,6 +13,7 @@
 #include <lefort/server/case/event_batcher.h>
 #include <lefort/server/case/job_parts.h>
 #include <lefort/server/case/measure_jobs.h>
+#include <lefort/server/case/measure_stages.h>
 
 #include <fmt/format.h>
 
@@ -165,7 +166,7 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
                                  .limits = {},
                                  .pictures = false};
     check.nerve = nerve_of_check(folder, progress);
-    // CONNECT: check.tooth_corrections = tooth_corrections(folder);
+    check.tooth_corrections = tooth_corrections(folder);
     LEFORT_TRY(const pipeline::PlanCheckSummary found, pipeline::check_plan_file(check, progress));
     JobOutcome outcome = reported(found.summary);
     outcome.has_findings = found.has_findings;

@@ -235,7 +235,7 @@ Result<JobOutcome> teeth_job(const JobContext& context, const JobRecord&, Progre
     teeth.landmarks = landmarks_of(folder, progress);
     teeth.output = folder.teeth();
     const auto corrections = tooth_corrections(folder);
-    // CONNECT: teeth.corrections = corrections;
+    teeth.corrections = corrections;
     auto summary = pipeline::number_teeth_of_scan(teeth, progress);
     std::error_code error;
     if (summary && !corrections) fs::remove(folder.teeth() / "teeth_corrections.json", error);
@@ -325,6 +325,7 @@ Result<JobOutcome> airway_job(const JobContext& context, const JobRecord&, Progr
     airway.labels = labels_of_scan(folder);
     airway.landmarks = landmarks_of(folder, progress);
     airway.output = folder.airway();
+    if (folder.stage("prediction")["state"] == "fresh") airway.prediction = folder.prediction();
     return pipeline::measure_airway_of_scan(airway, progress);
   });
 }

@@ -96,6 +96,9 @@ std::optional<CaseFolder::Inputs> inputs_of_measure(const CaseFolder& folder,
   inputs["landmarks"] = print_of(folder, folder.landmarks());
   if (stage == "teeth") inputs["numbers"] = print_of(folder, tooth_corrections(folder));
   if (stage == "nerve") inputs["points"] = print_of(folder, nerve_points(folder));
+  if (stage == "airway")
+    inputs["prediction"] =
+        print_if_fresh(folder, "prediction", folder.prediction() / "prediction.json");
   if (stage == "cephalogram") {
     inputs["check"] = print_if_fresh(folder, "check", folder.check() / "check.json");
     inputs["prediction"] =
