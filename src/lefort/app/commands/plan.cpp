@@ -133,7 +133,7 @@ void add_guide_command(CLI::App& plan, CommandContext& context) {
   command->footer(
       "Example:\n"
       "  lefort plan guide examples/le_fort_1.json --ct ct.nrrd -o guides/\n"
-      "Guide: docs/guide/guides.md. Not for clinical use.");
+      "Guide: docs/guide/cutting-guides.md. Not for clinical use.");
   command->callback([job, &context] {
     context.run("plan guide",
                 [&](Progress& progress) { return pipeline::make_guides(*job, progress); });
