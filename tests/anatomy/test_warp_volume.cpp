@@ -32,8 +32,21 @@ TEST(DisplacementField, follows_the_points_and_fades) {
     EXPECT_LT((field.at(p) - linear(p)).norm(), 0.15) << p.transpose();
     EXPECT_LT((field.before(p + field.at(p)) - p).norm(), 0.01);
   }
-  EXPECT_EQ(field.at({50.0, 50.0, 50.0}), Vec3::Zero());
+  EXPECT_EQ(field.at({55.0, 55.0, 55.0}), Vec3::Zero());
   EXPECT_EQ(field.at({500.0, 0.0, 0.0}), Vec3::Zero());
+}
+
+TEST(DisplacementField, does_not_fold_where_points_end) {
+  const Vec3 shift(0.0, 0.0, 8.0);
+  const DisplacementField field(
+      points_in(Box3(Vec3(-10, -10, -10), Vec3(10, 10, 10)), [&](const Vec3&) { return shift; }),
+      Box3(Vec3(-60, -60, -60), Vec3(60, 60, 60)));
+  EXPECT_LT((field.at({0.0, 0.0, 12.0}) - shift).norm(), 0.2);
+  for (double z = 10.0; z < 50.0; z += 1.0) {
+    const Vec3 p(0.0, 0.0, z), q(0.0, 0.0, z + 1.0);
+    EXPECT_LT((field.at(q) - field.at(p)).norm(), 0.95) << z;
+    EXPECT_LT((field.before(p + field.at(p)) - p).norm(), 0.1) << z;
+  }
 }
 
 TEST(WarpedScan, has_an_airway_that_is_wider) {

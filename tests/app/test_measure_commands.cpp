@@ -246,7 +246,7 @@ TEST_F(MeasureCommands, cutting_guides_with_the_same_holes_before_and_after) {
   EXPECT_TRUE(geometry::is_closed(geometry::weld_vertices(*surface)));
   int on_segment = 0, others = 0;
   for (const auto& hole : guides[0].at("holes")) {
-    const bool moves = hole.at("is_on_segment");
+    const bool moves = hole.at("bone") == "chin";
     ++(moves ? on_segment : others);
     const std::array<double, 3> shift{0.0, -6.0, 2.0};
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -304,7 +304,7 @@ TEST_F(MeasureCommands, plans_side_by_side) {
   ASSERT_TRUE(io::write_text(path("plans") / "bad/check/check.json",
                              "{\"lefort_plan_check\": 1, \"movements\": [3]}"));
   expect_refused("plan variants " + first + "'" + (path("plans") / "bad").string() + "'", 1,
-                 "plans of different bones");
+                 "plans of different heads");
 }
 
 TEST_F(MeasureCommands, refuses_in_one_line) {

@@ -1,3 +1,4 @@
+#include <lefort/anatomy/voxel_mask.h>
 #include <lefort/anatomy/warp_volume.h>
 #include <lefort/core/parallel.h>
 #include <lefort/image/interpolate.h>
@@ -5,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace lefort::anatomy {
 namespace {
@@ -13,6 +15,8 @@ constexpr double kFieldSpacing_mm = 2.0;
 /// Three boxes of 2 * 2 + 1 nodes: a standard deviation of 2.4 nodes, nearly 5 mm.
 constexpr Index kBoxReach = 2;
 constexpr int kBoxes = 3;
+/// Where points end, the displacement fades over twice its length, so that it does not fold.
+constexpr double kFadeStart_mm = 4.0, kLeastFade_mm = 8.0, kMostFade_mm = 40.0;
 
 /// Sum of displacements and their number.
 using Sums = std::vector<Eigen::Vector4d>;
@@ -41,18 +45,34 @@ image::Grid grid_of(const Box3& box_L) {
   return grid;
 }
 
+/// Mean of what is known around each node, and 0 known where nothing is.
+void fill_once(const image::Grid& grid, Sums& means) {
+  Sums around = means;
+  for (std::size_t axis = 0; axis < 3; ++axis) blur_along(grid, axis, around);
+  for (std::size_t v = 0; v < means.size(); ++v)
+    if (means[v].w() == 0.0 && around[v].w() > 0.0) means[v] = around[v] / around[v].w();
+}
+
+/// 1 close to the points, 0 further than `far_mm`, smooth between.
+double fade(double distance_mm, double far_mm) {
+  const double t = std::clamp((distance_mm - kFadeStart_mm) / (far_mm - kFadeStart_mm), 0.0, 1.0);
+  return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
 }  // namespace
 
 DisplacementField::DisplacementField(std::span<const MovedPoint> points, const Box3& box_L)
     : grid_(grid_of(box_L)) {
-  // A small number, so that the field fades where points end.
-  constexpr double kFade = 0.02;
+  Mask occupied{grid_, std::vector<std::uint8_t>(std::size_t(grid_.voxel_count()), 0)};
+  double max_mm = 0.0;
   Sums sums(std::size_t(grid_.voxel_count()), Eigen::Vector4d::Zero());
   for (const MovedPoint& one : points) {
     const Vec3 at = grid_.index_V(one.point_L);
     const auto i = Index(std::lround(at.x())), j = Index(std::lround(at.y())),
                k = Index(std::lround(at.z()));
     if (!grid_.contains(i, j, k)) continue;
+    occupied.at(i, j, k) = 1;
+    max_mm = std::max(max_mm, one.shift_mm.norm());
     sums[std::size_t(grid_.offset(i, j, k))] +=
         Eigen::Vector4d(one.shift_mm.x(), one.shift_mm.y(), one.shift_mm.z(), 1.0);
   }
@@ -61,9 +81,15 @@ DisplacementField::DisplacementField(std::span<const MovedPoint> points, const B
     if (sum.w() > 0.0) sum /= sum.w();
   for (int n = 0; n < kBoxes; ++n)
     for (std::size_t axis = 0; axis < 3; ++axis) blur_along(grid_, axis, sums);
+  for (Eigen::Vector4d& sum : sums)
+    if (sum.w() > 0.0) sum /= sum.w();
+  const double far_mm = kFadeStart_mm + std::clamp(2.0 * max_mm, kLeastFade_mm, kMostFade_mm);
+  const int fills = int(std::ceil(far_mm / (kFieldSpacing_mm * double(kBoxReach))));
+  for (int n = 0; n < fills; ++n) fill_once(grid_, sums);
+  const image::ScalarVolume away = distance_to(occupied, far_mm);
   shifts_mm_.resize(sums.size());
   for (std::size_t v = 0; v < sums.size(); ++v)
-    shifts_mm_[v] = sums[v].head<3>() / (sums[v].w() + kFade);
+    shifts_mm_[v] = fade(double(away.values[v]), far_mm) * sums[v].head<3>();
 }
 
 Vec3 DisplacementField::at(const Vec3& p_L) const {

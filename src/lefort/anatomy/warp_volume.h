@@ -18,9 +18,10 @@ struct MovedPoint {
 /// A smooth field through scattered displacements.
 class DisplacementField {
  public:
-  /// Normalized convolution \cite knutsson1993 of the displacements with a filter of 4 mm
-  /// (standard deviation; three box filters) on a grid of 2 mm. Further than about 12 mm from all
-  /// points the displacement is 0.
+  /// Normalized convolution \cite knutsson1993 of the displacements with a filter of 5 mm
+  /// (standard deviation; three box filters) on a grid of 2 mm. Where points end, it fades over twice
+  /// the largest displacement (8 to 40 mm), from 4 mm on. Points on both sides of a gap narrower than
+  /// the filter are averaged: a gap moves rather than widens.
   ///
   /// \param points  finite.
   /// \param box_L   where the field is needed. \pre up to 10^8 nodes.

@@ -73,6 +73,7 @@ Alignment iterate_coarsely(const std::vector<PointWithNormal>& points, const geo
     now.X =
         geometry::rigid_motion(step.tail<3>(), step.head<3>() / kArm_mm, now.X * center) * now.X;
   }
+  now.off_mm = quantile_of(distances_at(points, surface, center, now.X).off, options.quantile);
   return now;
 }
 

@@ -1,4 +1,5 @@
 #include <lefort/dental/cut_arch.h>
+#include <lefort/dental/renumber_teeth.h>
 #include <lefort/geometry/mesh_properties.h>
 
 #include <fmt/format.h>
@@ -29,7 +30,8 @@ Result<int> cut_after(const std::array<int, 2>& cut,
   const auto [first, last] = std::minmax({place_of(cut[0]), place_of(cut[1])});
   const auto at =
       std::find_if(upper.begin(), upper.end(), [&](const auto& one) { return one.first == first; });
-  const bool is_upper = cut[0] / 10 <= 2 && cut[1] / 10 <= 2;
+  const bool is_upper =
+      is_fdi_number(cut[0]) && is_fdi_number(cut[1]) && cut[0] / 10 <= 2 && cut[1] / 10 <= 2;
   if (!is_upper || at == upper.end() || at + 1 == upper.end() || (at + 1)->first != last)
     return fail(
         ErrorCode::kInvalidArgument,
@@ -43,6 +45,8 @@ Result<std::vector<geometry::TriangleMesh>> cut_arch(const geometry::TriangleMes
                                                      const std::map<int, Vec3>& crowns_L,
                                                      std::span<const std::array<int, 2>> cuts) {
   const auto upper = upper_crowns(crowns_L);
+  if (upper.empty() || cuts.empty())
+    return fail(ErrorCode::kInvalidArgument, "no cut between upper teeth is given");
   std::vector<int> ends;
   for (const std::array<int, 2>& cut : cuts) {
     LEFORT_TRY(const int after, cut_after(cut, upper));

@@ -23,6 +23,8 @@ struct Candidate {
 /// The guide must surround a hole by this.
 constexpr double kRim_mm = 1.5;
 constexpr double kNormalRadius_mm = 1.5;
+/// Holes may be so much closer to the cut or further from it than wanted.
+constexpr double kTolerance_mm = 2.0;
 
 /// Vertices of the bone that the guide may cover.
 std::vector<Index> vertices_near(const GuideSite& site, const CutLine& line, double reach_mm) {
@@ -53,7 +55,7 @@ Vec3 smooth_normal(const GuideSite& site, const std::vector<Index>& near, const 
 
 std::vector<Candidate> candidates_of(const GuideSite& site, const CutLine& line,
                                      const GuideOptions& guide, const HoleOptions& options) {
-  constexpr double kFaces = 0.6, kTolerance_mm = 2.0;
+  constexpr double kFaces = 0.6;
   const std::vector<Index> near =
       vertices_near(site, line, guide.width_mm - 0.5 * options.diameter_mm - kRim_mm);
   std::vector<Candidate> found;
@@ -86,7 +88,7 @@ std::optional<GuideHole> best_hole(const GuideSite& site, const std::vector<Cand
                                    bool is_on_segment, double position_mm,
                                    const HoleOptions& options, const ClearOf& clear_of,
                                    const std::vector<GuideHole>& others) {
-  constexpr double kThin_mm = 3.0, kReach_mm = 6.0;
+  constexpr double kThin_mm = 3.0, kMinBone_mm = 1.0, kReach_mm = 6.0;
   const double between_mm = 2.0 * options.diameter_mm + kRim_mm;
   std::optional<GuideHole> best;
   double least = std::numeric_limits<double>::infinity();
@@ -100,10 +102,11 @@ std::optional<GuideHole> best_hole(const GuideSite& site, const std::vector<Cand
     });
     if (is_close) continue;
     const double bone_mm = bone_behind(site, one);
+    if (bone_mm < kMinBone_mm) continue;
     cost += 2.0 * std::max(0.0, kThin_mm - bone_mm);
     if (cost >= least) continue;
-    const double clear_mm = clear_of(one.point_L, one.point_L - options.depth_mm * one.axis_L) -
-                            0.5 * options.diameter_mm;
+    const double clear_mm =
+        clear_of(one.point_L, one.point_L - options.depth_mm * one.axis_L) - 0.5 * options.screw_mm;
     if (clear_mm < options.min_clear_mm) continue;
     least = cost;
     best = GuideHole{one.point_L, one.axis_L, is_on_segment, bone_mm, clear_mm};
@@ -141,12 +144,21 @@ Result<void> check_holes(const HoleOptions& options, const GuideOptions& guide) 
     return value >= low && value <= high;
   };
   if (!in(options.diameter_mm, 1.0, 4.0) || !in(options.depth_mm, 2.0, 20.0) ||
-      !in(options.from_cut_mm, 3.0, 15.0) || !in(options.min_clear_mm, 0.0, 10.0))
+      !in(options.from_cut_mm, 3.0, 15.0) || !in(options.min_clear_mm, 0.0, 10.0) ||
+      !in(options.screw_mm, options.diameter_mm, 4.0))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("holes of {} mm for screws of {} mm, {} mm deep, {} mm from the cut, {} "
+                    "mm clear of roots and nerves: must be 1 to 4, that to 4, 2 to 20, 3 "
+                    "to 15, 0 to 10",
+                    options.diameter_mm, options.screw_mm, options.depth_mm, options.from_cut_mm,
+                    options.min_clear_mm));
+  const double closest_mm = kTolerance_mm + 0.5 * options.screw_mm + guide.slot_clearance_mm;
+  if (options.from_cut_mm < closest_mm)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("holes of {} mm, {} mm deep, {} mm from the cut, {} mm clear of roots "
-                            "and nerves: must be 1 to 4, 2 to 20, 3 to 15, 0 to 10",
-                            options.diameter_mm, options.depth_mm, options.from_cut_mm,
-                            options.min_clear_mm));
+                fmt::format("holes are {:g} mm from the cut, must be {:.2f} mm or more for screws "
+                            "of {:g} mm",
+                            options.from_cut_mm, closest_mm, options.screw_mm));
   const double needed_mm = options.from_cut_mm + 0.5 * options.diameter_mm + kRim_mm;
   if (guide.width_mm < needed_mm)
     return fail(ErrorCode::kInvalidArgument,

@@ -95,7 +95,7 @@ OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<doub
 }  // namespace
 
 double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB, double reach_mm) {
-  return std::max(penetration_mm(arches.lower, arches.upper, X_LB, reach_mm),
+  return std::max(penetration_mm(arches.lower, arches.upper, X_LB, kArchReach_mm),
                   penetration_mm(arches.upper, arches.lower, X_LB.inverse(), reach_mm));
 }
 

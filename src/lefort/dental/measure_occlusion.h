@@ -43,17 +43,17 @@ struct Arches {
 };
 
 /// Penetration is searched up to this depth. Arches are open: behind the side of a tooth at the end
-/// of a piece, a point of other teeth looks as if it were inside.
+/// of a piece (in the place of the lower arch), a point of the other arch looks as if it were inside.
 inline constexpr double kArchReach_mm = 10.0, kPieceReach_mm = 2.0;
 
 /// \param X_LB      position of the lower arch.
-/// \param reach_mm  deeper points do not count.
+/// \param reach_mm  deeper points of the upper arch do not count.
 /// \returns the deepest penetration of a vertex of one arch into the other one [mm], 0 if none.
 [[nodiscard]] double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB,
                                         double reach_mm = kArchReach_mm);
 
 /// \param X_LB      position of the lower arch.
-/// \param reach_mm  of the penetration.
+/// \param reach_mm  as for max_penetration_mm().
 /// \returns the contacts and distances there.
 [[nodiscard]] Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB,
                                           const ArchAxes& axes, double reach_mm = kArchReach_mm);

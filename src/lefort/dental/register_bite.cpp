@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace lefort::dental {
@@ -25,7 +27,9 @@ using geometry::TriangleMesh;
 /// A bite scan has about a third of its vertices on each arch at least.
 constexpr CoarseOptions kPartOfArch{.quantile = 0.3}, kFirstLook{.quantile = 0.3, .iterations = 5};
 constexpr double kOnArch_mm = 0.5;
-constexpr double kMinOnArches = 0.6;
+constexpr double kMinOnArches = 0.6, kMinOnEach = 0.15;
+/// The scans of both sides agree within this.
+constexpr double kMaxBiteRms_mm = 0.3;
 
 /// The rotations that map coordinate axes to coordinate axes.
 std::vector<Mat3> cube_rotations() {
@@ -121,16 +125,21 @@ double distance_from(const Bvh& arch, const Vec3& p, const Vec3& normal) {
                                        : std::numeric_limits<double>::infinity();
 }
 
+/// Part of the points on the arches; 0 if one of the arches has too few of them.
 double fraction_on(const std::vector<PointWithNormal>& points, const Arches& arches,
                    const BiteAlignment& at) {
-  Index near = 0;
+  Index near_upper = 0, near_lower = 0;
   for (const PointWithNormal& one : points) {
-    const double off_mm = std::min(
-        distance_from(arches.upper, at.X_upper * one.point, at.X_upper.linear() * one.normal),
-        distance_from(arches.lower, at.X_lower * one.point, at.X_lower.linear() * one.normal));
-    if (off_mm < kOnArch_mm) ++near;
+    const double upper_mm =
+        distance_from(arches.upper, at.X_upper * one.point, at.X_upper.linear() * one.normal);
+    const double lower_mm =
+        distance_from(arches.lower, at.X_lower * one.point, at.X_lower.linear() * one.normal);
+    if (std::min(upper_mm, lower_mm) >= kOnArch_mm) continue;
+    ++(upper_mm < lower_mm ? near_upper : near_lower);
   }
-  return double(near) / double(points.size());
+  const auto count = double(points.size());
+  if (double(std::min(near_upper, near_lower)) < kMinOnEach * count) return 0.0;
+  return double(near_upper + near_lower) / count;
 }
 
 /// The points that do not lie on an arch.
@@ -201,27 +210,50 @@ Result<void> check_bite(const TriangleMesh& bite) {
 
 constexpr compare::RegisterOptions kBiteRegistration{.max_points = 8000, .max_median_mm = 0.3};
 
-/// Registers the upper part of a bite scan. Adds its lower part, in the frame of the upper arch.
-Result<BiteFit> fit_to_upper(const TriangleMesh& bite, const Arches& arches,
-                             const BiteAlignment& at, TriangleMesh& lower_part_L,
-                             Progress& progress) {
+/// A bite scan on the upper arch, and its lower part there.
+struct UpperFit {
+  BiteFit fit;
+  TriangleMesh lower_L;
+};
+
+/// Registers the upper part of a bite scan.
+Result<UpperFit> fit_to_upper(const TriangleMesh& bite, const Arches& arches,
+                              const BiteAlignment& at, Progress& progress) {
   if (!(at.fraction >= kMinOnArches))
     return fail(ErrorCode::kNotConverged,
                 fmt::format("only {:.0f} % of the bite scan lies on the arches, must be {:.0f} % "
-                            "or more: is it of the same patient, and not mirrored?",
+                            "or more, with both jaws: is it of the same patient, and not mirrored?",
                             100.0 * at.fraction, 100.0 * kMinOnArches));
   const std::array<RigidTransform, 1> start{at.X_upper};
   LEFORT_TRY(const compare::Registration upper,
              compare::register_surface(part_on(bite, arches, at, true), arches.upper, start,
                                        kBiteRegistration, progress));
-  const TriangleMesh lower_L =
-      geometry::transformed(part_on(bite, arches, at, false), upper.X_onto_from);
-  const auto first = std::int32_t(lower_part_L.vertices.size());
-  lower_part_L.vertices.insert(lower_part_L.vertices.end(), lower_L.vertices.begin(),
-                               lower_L.vertices.end());
-  for (const auto& [a, b, c] : lower_L.triangles)
-    lower_part_L.triangles.push_back({a + first, b + first, c + first});
-  return BiteFit{upper.X_onto_from, upper.rms_mm, 0.0, at.fraction};
+  return UpperFit{{upper.X_onto_from, upper.rms_mm, 0.0, at.fraction},
+                  geometry::transformed(part_on(bite, arches, at, false), upper.X_onto_from)};
+}
+
+TriangleMesh joined(const std::vector<UpperFit>& fits) {
+  TriangleMesh all;
+  for (const UpperFit& one : fits) {
+    const auto first = std::int32_t(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), one.lower_L.vertices.begin(),
+                        one.lower_L.vertices.end());
+    for (const auto& [a, b, c] : one.lower_L.triangles)
+      all.triangles.push_back({a + first, b + first, c + first});
+  }
+  return all;
+}
+
+/// Root mean square of the distances of the vertices from the arch, each 2 mm at most.
+double rms_on(const Bvh& arch, const TriangleMesh& part, const RigidTransform& X) {
+  constexpr double kMost_mm = 2.0;
+  double squared = 0.0;
+  for (const Vec3& p : part.vertices) {
+    const auto nearest = arch.closest_point(X * p, kMost_mm);
+    const double off_mm = nearest ? nearest->distance_mm : kMost_mm;
+    squared += off_mm * off_mm;
+  }
+  return std::sqrt(squared / double(std::max<std::size_t>(part.vertices.size(), 1)));
 }
 
 }  // namespace
@@ -235,23 +267,30 @@ Result<Bite> register_bite(const TriangleMesh& upper_L, const TriangleMesh& lowe
   for (const TriangleMesh& bite : bites) LEFORT_TRY_VOID(check_bite(bite));
   progress.begin_stage("register the bite scan");
   const Arches arches{Bvh(upper_L), Bvh(lower_L)};
-  Bite found;
-  TriangleMesh lower_part_L;
+  std::vector<UpperFit> fits;
   RigidTransform start = RigidTransform::Identity();
   for (const TriangleMesh& bite : bites) {
     const BiteAlignment at = aligned(bite, arches, axes);
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "the registration was cancelled");
-    LEFORT_TRY(BiteFit fit, fit_to_upper(bite, arches, at, lower_part_L, progress));
-    if (found.fits.empty()) start = at.X_lower * fit.X_L_bite.inverse();
-    found.fits.push_back(fit);
+    LEFORT_TRY(UpperFit fit, fit_to_upper(bite, arches, at, progress));
+    if (fits.empty()) start = at.X_lower * fit.fit.X_L_bite.inverse();
+    fits.push_back(std::move(fit));
   }
   const std::array<RigidTransform, 1> starts{start};
   LEFORT_TRY(
       const compare::Registration lower,
-      compare::register_surface(lower_part_L, arches.lower, starts, kBiteRegistration, progress));
-  found.X_L_lower = lower.X_onto_from.inverse();
-  for (BiteFit& fit : found.fits) fit.lower_rms_mm = lower.rms_mm;
+      compare::register_surface(joined(fits), arches.lower, starts, kBiteRegistration, progress));
+  Bite found{lower.X_onto_from.inverse(), {}};
+  for (UpperFit& one : fits) {
+    one.fit.lower_rms_mm = rms_on(arches.lower, one.lower_L, lower.X_onto_from);
+    if (one.fit.lower_rms_mm > kMaxBiteRms_mm)
+      return fail(ErrorCode::kNotConverged,
+                  fmt::format("the bite scans do not fit together: one is {:.2f} mm (RMS) off the "
+                              "lower arch, must be {:g} or less",
+                              one.fit.lower_rms_mm, kMaxBiteRms_mm));
+    found.fits.push_back(one.fit);
+  }
   return found;
 }
 

@@ -16,7 +16,8 @@ namespace lefort::dental {
 struct BiteFit {
   RigidTransform X_L_bite = RigidTransform::Identity();  ///< Maps the bite scan to the upper arch.
   double upper_rms_mm = 0.0, lower_rms_mm = 0.0;         ///< Of the distances of its vertices.
-  double fraction = 0.0;  ///< Of its vertices within 0.5 mm of one of the arches.
+  /// Of up to 400 of its vertices, at the first alignment: within 0.5 mm of one of the arches.
+  double fraction = 0.0;
 };
 
 struct Bite {
@@ -39,7 +40,8 @@ struct Bite {
 /// \param bites    one or more, for example right and left; each in any frame [mm].
 /// \returns the movement, or
 ///   - kInvalidArgument  a scan is not 8 to 150 mm long, or see check_arch();
-///   - kNotConverged     a scan does not fit both arches: less than 60 % of it lies on them;
+///   - kNotConverged     a scan does not fit both arches: less than 60 % of it lies on them, or
+///     less than 15 % on one of them; or the scans show different occlusions;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Bite> register_bite(const geometry::TriangleMesh& upper_L,

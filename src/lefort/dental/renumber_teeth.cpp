@@ -36,6 +36,11 @@ Result<NumberedTeeth> renumbered(NumberedTeeth teeth,
   std::iota(number.begin(), number.end(), std::uint8_t(0));
   for (const ToothCorrection& one : corrections) {
     LEFORT_TRY_VOID(check_correction(teeth, one));
+    const auto same = std::count_if(corrections.begin(), corrections.end(),
+                                    [&](auto& other) { return other.found == one.found; });
+    if (same > 1)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("tooth {} is corrected twice", one.found));
     number[std::size_t(one.found)] = std::uint8_t(one.fdi);
   }
   for (NumberedTooth& tooth : teeth.teeth) tooth.fdi = int(number[std::size_t(tooth.fdi)]);

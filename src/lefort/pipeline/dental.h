@@ -41,7 +41,7 @@ struct TeethJob {
   std::optional<std::filesystem::path> landmarks;  ///< What is missing is found.
   /// teeth_corrections.json: numbers that the user has corrected.
   std::optional<std::filesystem::path> corrections;
-  std::vector<dental::ToothCorrection> more_corrections;  ///< Added to those of the file.
+  std::vector<dental::ToothCorrection> more_corrections;  ///< Replace those of the file.
   std::filesystem::path output;                           ///< A folder; made if missing.
 };
 

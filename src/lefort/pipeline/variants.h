@@ -24,7 +24,7 @@ struct VariantsJob {
 ///
 /// \returns the summary, or
 ///   - kInvalidArgument  fewer than two folders or more than four, two of the same name, or plans
-///     of different bones;
+///     of different heads;
 ///   - kFileNotFound     a folder has no check/check.json;
 ///   - kFileCorrupt      a document is not of its format;
 ///   - kFileUnwritable   a result cannot be written.

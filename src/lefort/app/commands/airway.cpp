@@ -21,8 +21,9 @@ void add_airway_command(CLI::App& cli, CommandContext& context) {
       ->add_option("--front", job->front,
                    "The same of the coronal plane in front; air anterior to it is not measured")
       ->capture_default_str();
-  command->add_option("--prediction", job->prediction,
-                      "Folder of `lefort predict`: the airway also after its movement");
+  mark_path(command->add_option("--prediction", job->prediction,
+                                "Folder of `lefort predict`: the airway also after its movement"),
+            PathKind::kFolder);
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the surface, the sections and airway.json"),
             PathKind::kNewFolder)

@@ -75,6 +75,7 @@ void add_teeth(CLI::App& dental, CommandContext& context) {
   command
       ->add_option("--correct", *numbers,
                    "Correct a number: FOUND=FDI, 0 if it is no tooth; may be repeated")
+      ->allow_extra_args(false)
       ->check(number_pair('='));
   command->add_option("--corrections", job->corrections,
                       "teeth_corrections.json of an earlier run: corrected numbers");
@@ -123,17 +124,19 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
       ->add_option("--yaw", job->options.yaw_deg, "Yaw between the starts of the search [degrees]")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command->add_option("--bite", job->bites,
-                      "Scan of the teeth in occlusion, from the cheek, in mm: the occlusion is "
-                      "that of the scan; may be repeated");
+  command
+      ->add_option("--bite", job->bites,
+                   "Scan of the teeth in occlusion, from the cheek, in mm: the occlusion is "
+                   "that of the scan; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--as-scanned", job->is_as_scanned,
                     "The occlusion is that of the files of the intraoral scans; needs --arches");
   command
       ->add_option("--cut", *cuts,
                    "Cut the upper arch between two teeth (FDI numbers), as 12-13: each piece gets "
-                   "its own occlusion; once or twice")
-      ->check(number_pair('-'))
-      ->expected(1, 2);
+                   "its own occlusion; may be repeated once")
+      ->allow_extra_args(false)
+      ->check(number_pair('-'));
   command->add_option("--teeth", job->teeth, "teeth.json of `lefort dental teeth`, for --cut");
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the lower arch in occlusion, contacts and transform"),

@@ -99,11 +99,12 @@ void add_guide_options(CLI::App& command, dental::GuideOptions& guide, dental::H
   add_length(command, "--max-slot", guide.max_slot_mm, 5.0, 100.0, "Length of a slot at most");
   add_length(command, "--voxel", guide.voxel_mm, 0.1, 0.5, "Resolution");
   add_length(command, "--hole-diameter", holes.diameter_mm, 1.0, 4.0, "Of the drill");
+  add_length(command, "--screw-diameter", holes.screw_mm, 1.0, 4.0, "Of the screws");
   add_length(command, "--hole-depth", holes.depth_mm, 2.0, 20.0, "Of the screws in the bone");
   add_length(command, "--hole-distance", holes.from_cut_mm, 3.0, 15.0,
              "Of the centers of the holes from the cut");
   add_length(command, "--hole-clearance", holes.min_clear_mm, 0.0, 10.0,
-             "Minimum distance of the drill from tooth roots and nerves");
+             "Minimum distance of the screws from tooth roots and nerves");
 }
 
 void add_guide_command(CLI::App& plan, CommandContext& context) {

@@ -33,7 +33,7 @@ Result<nlohmann::json> read_arches(const fs::path& file) {
 Result<RigidTransform> scan_motion(const nlohmann::json& arches, const char* jaw,
                                    const fs::path& file) {
   constexpr const char* kPose = "pose_4x4_row_major_mm_lps";
-  constexpr double kTolerance = 1e-3;
+  constexpr double kTolerance = 1e-6;
   const auto arch = arches.find(jaw);
   if (arch == arches.end())
     return fail(ErrorCode::kInvalidArgument,

@@ -41,6 +41,8 @@ Result<void> check_job(const OcclusionJob& job) {
                 "--as-scanned needs --arches: it has the motions of both scans");
   if (job.is_as_scanned && !job.bites.empty())
     return fail(ErrorCode::kInvalidArgument, "give --as-scanned or --bite, not both");
+  if (job.cuts.size() > 2)
+    return fail(ErrorCode::kInvalidArgument, "the upper arch can be cut once or twice");
   if (!job.cuts.empty() && !job.teeth)
     return fail(ErrorCode::kInvalidArgument,
                 "--cut needs --teeth: teeth.json of `lefort dental teeth`");
@@ -88,12 +90,27 @@ Result<FoundOcclusion> occlusion_of(const OcclusionJob& job, const dental::Arche
   return FoundOcclusion{std::move(searched), "maximum intercuspation"};
 }
 
+/// The pieces of the upper arch; none without cuts.
+Result<std::vector<geometry::TriangleMesh>> pieces_of(const OcclusionJob& job,
+                                                      const geometry::TriangleMesh& upper_L) {
+  if (job.cuts.empty()) return std::vector<geometry::TriangleMesh>();
+  LEFORT_TRY(const auto crowns_L, read_crowns(*job.teeth));
+  return dental::cut_arch(upper_L, crowns_L, job.cuts);
+}
+
+/// Removes what an earlier run may have left.
+Result<void> remove_earlier_occlusion(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files{folder / "occlusion.json"};
+  for (int n = 1; n <= 3; ++n)
+    for (const char* const ending : {".stl", ".tfm"})
+      files.push_back(folder / fmt::format("piece_{}{}", n, ending));
+  return io::remove_earlier_files(files);
+}
+
 /// Moves each piece of the upper arch to its occlusion with the lower arch, which stays.
-Result<void> add_pieces(const OcclusionJob& job, const geometry::TriangleMesh& upper_L,
+Result<void> add_pieces(const OcclusionJob& job, const std::vector<geometry::TriangleMesh>& pieces,
                         const geometry::TriangleMesh& lower_L, const dental::ArchAxes& axes,
                         Summary& summary, Progress& progress) {
-  LEFORT_TRY(const auto crowns_L, read_crowns(*job.teeth));
-  LEFORT_TRY(const auto pieces, dental::cut_arch(upper_L, crowns_L, job.cuts));
   // A piece takes the part of the lower arch.
   const dental::ArchAxes turned{-axes.superior_L, axes.anterior_L};
   dental::OcclusionOptions options = job.options;
@@ -131,9 +148,11 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   LEFORT_TRY_VOID(dental::check_arch(upper_L, "upper", -axes.superior_L));
   LEFORT_TRY_VOID(dental::check_arch(lower_L, "lower", axes.superior_L));
   const dental::Arches arches{geometry::Bvh(upper_L), geometry::Bvh(lower_L)};
+  LEFORT_TRY(const auto pieces, pieces_of(job, upper_L));
   LEFORT_TRY(const FoundOcclusion from, occlusion_of(job, arches, axes, progress));
   const dental::Occlusion& found = from.occlusion;
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_earlier_occlusion(job.output));
   LEFORT_TRY_VOID(
       io::write_surface(job.output / "lower.stl", geometry::transformed(lower_L, found.X_L_lower)));
   LEFORT_TRY_VOID(io::write_transform(job.output / "lower_to_occlusion.tfm", found.X_L_lower));
@@ -165,8 +184,8 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   if (contacts.max_penetration_mm > dental::kMaxOcclusalPenetration_mm)
     summary.text += fmt::format("\n  warning: the arches penetrate by more than {:g} mm",
                                 dental::kMaxOcclusalPenetration_mm);
-  if (!job.cuts.empty())
-    LEFORT_TRY_VOID(add_pieces(job, upper_L, geometry::transformed(lower_L, found.X_L_lower), axes,
+  if (!pieces.empty())
+    LEFORT_TRY_VOID(add_pieces(job, pieces, geometry::transformed(lower_L, found.X_L_lower), axes,
                                summary, progress));
   LEFORT_TRY_VOID(io::write_text(job.output / "occlusion.json", summary.json.dump(1) + "\n"));
   return summary;

@@ -79,7 +79,10 @@ Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
   const std::array<std::filesystem::path, 1> written{job.output / "teeth.mrk.json"};
   LEFORT_TRY(std::vector<dental::ToothCorrection> corrections,
              read_tooth_corrections(job.corrections));
-  corrections.insert(corrections.end(), job.more_corrections.begin(), job.more_corrections.end());
+  for (const dental::ToothCorrection& more : job.more_corrections) {
+    std::erase_if(corrections, [&](const auto& one) { return one.found == more.found; });
+    corrections.push_back(more);
+  }
   if (job.landmarks) LEFORT_TRY_VOID(io::check_inputs_are_distinct({&*job.landmarks, 1}, written));
   LEFORT_TRY(const OrientedHead head,
              oriented_head({job.ct, job.labels, job.landmarks}, needed, progress));
@@ -98,8 +101,12 @@ Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
         "must show enamel");
   LEFORT_TRY(*found, dental::renumbered(*std::move(found), corrections));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
-  if (!corrections.empty())
-    LEFORT_TRY_VOID(write_tooth_corrections(job.output / "teeth_corrections.json", corrections));
+  const std::filesystem::path file = job.output / "teeth_corrections.json";
+  if (corrections.empty()) {
+    LEFORT_TRY_VOID(io::remove_earlier_files({&file, 1}));
+  } else {
+    LEFORT_TRY_VOID(write_tooth_corrections(file, corrections));
+  }
   LEFORT_TRY_VOID(io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found->numbers));
   LEFORT_TRY_VOID(io::write_landmarks(job.output / "teeth.mrk.json", points_of(found->teeth)));
   LEFORT_TRY_VOID(io::write_text(job.output / "teeth.csv", teeth_csv(found->teeth)));

@@ -28,6 +28,11 @@ namespace {
 using anatomy::Airway;
 using anatomy::AirwaySection;
 
+/// Volume over length: without the effect of limits that move.
+double mean_area_mm2(const Airway& airway) {
+  return airway.length_mm > 0.0 ? 1e3 * airway.volume_ml / airway.length_mm : 0.0;
+}
+
 nlohmann::json section_json(const AirwaySection& section) {
   return {{"area_mm2", section.area_mm2},        {"width_mm", section.width_mm},
           {"depth_mm", section.depth_mm},        {"along_mm", section.along_mm},
@@ -58,6 +63,15 @@ std::string areas_plot(const Airway& airway) {
     plot.lines[1].y.push_back(airway.axial[n].area_mm2);
   }
   return report::plot_file(plot);
+}
+
+/// All files of this command.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files{folder / "airway.json"};
+  for (const char* const name : {"airway", "airway_after"})
+    for (const char* const ending : {".vtp", ".csv", ".svg"})
+      files.push_back(folder / (std::string(name) + ending));
+  return files;
 }
 
 Result<geometry::TriangleMesh> wall_of(const Airway& airway, Progress& progress) {
@@ -114,7 +128,8 @@ anatomy::LabelMap warped_labels(const anatomy::LabelMap& labels,
     const Vec3 at = labels.grid.index_V(field.before(labels.grid.center_L(v)));
     const auto i = Index(std::lround(at.x())), j = Index(std::lround(at.y())),
                k = Index(std::lround(at.z()));
-    if (labels.grid.contains(i, j, k)) after.values[std::size_t(v)] = labels.at(i, j, k);
+    after.values[std::size_t(v)] =
+        labels.grid.contains(i, j, k) ? labels.at(i, j, k) : anatomy::Tissue::kBackground;
   });
   return after;
 }
@@ -124,7 +139,9 @@ Result<PredictedScan> predicted_scan(const AirwayJob& job, const OrientedHead& h
                                      const geometry::TriangleMesh& wall_L, Progress& progress) {
   constexpr std::int16_t kAir_hu = -1000;
   LEFORT_TRY(const PredictedMovement movement, predicted_movement(*job.prediction, progress));
-  if (!movement.ct_sha256.empty() && movement.ct_sha256 != head.scanned.ct_sha256)
+  if (movement.ct_sha256.empty())
+    progress.note("the prediction does not state its scan: check that it is of this one");
+  else if (movement.ct_sha256 != head.scanned.ct_sha256)
     return fail(ErrorCode::kInvalidArgument,
                 "the prediction is of another scan than the one that is measured");
   progress.begin_stage("move the scan");
@@ -154,14 +171,17 @@ Result<void> add_after(const AirwayJob& job, const OrientedHead& head,
   const AirwaySection& narrow = after.sections[after.min_section];
   summary.json["after"] = {{"volume_ml", after.volume_ml},
                            {"length_mm", after.length_mm},
+                           {"mean_area_mm2", mean_area_mm2(after)},
                            {"closed_mm", after.closed_mm},
                            {"min_section", section_json(narrow)},
                            {"min_axial_section", section_json(after.axial[after.min_axial])},
                            {"wall_in_tissue_mesh", scan.covered}};
   summary.text += fmt::format(
-      "\n  after the predicted movement: volume {:.2f} ml ({:+.2f}), smallest section {:.0f} mm2 "
-      "({:+.0f})\n  {:.0f} % of the wall of the airway lies in the tissue of the prediction",
-      after.volume_ml, after.volume_ml - before.volume_ml, narrow.area_mm2,
+      "\n  after the predicted movement: volume {:.2f} ml ({:+.2f}) along {:.0f} mm, mean area "
+      "{:.0f} mm2 ({:+.0f}), smallest section {:.0f} mm2 ({:+.0f})\n  {:.0f} % of the wall of the "
+      "airway lies in the tissue of the prediction",
+      after.volume_ml, after.volume_ml - before.volume_ml, after.length_mm, mean_area_mm2(after),
+      mean_area_mm2(after) - mean_area_mm2(before), narrow.area_mm2,
       narrow.area_mm2 - before.sections[before.min_section].area_mm2, 100.0 * scan.covered);
   if (scan.covered < kMinCovered)
     summary.text +=
@@ -187,6 +207,7 @@ Summary summary_of(const Airway& airway, const AirwayJob& job, const OrientedHea
                   {"has_frankfurt_horizontal", head.directions.has_frankfurt_horizontal},
                   {"volume_ml", airway.volume_ml},
                   {"length_mm", airway.length_mm},
+                  {"mean_area_mm2", mean_area_mm2(airway)},
                   {"closed_mm", airway.closed_mm},
                   {"below_upper_mm", below_mm},
                   {"above_lower_mm", above_mm},
@@ -233,6 +254,9 @@ Result<Summary> measure_airway_of_scan(const AirwayJob& job, Progress& progress)
   Summary summary = summary_of(airway, job, head, limits);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(io::remove_earlier_files(files_of(job.output)));
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the measurement was cancelled");
   if (job.prediction) {
     LEFORT_TRY(const geometry::TriangleMesh wall_L, wall_of(airway, progress));
     LEFORT_TRY_VOID(add_after(job, head, limits, airway, wall_L, summary, progress));

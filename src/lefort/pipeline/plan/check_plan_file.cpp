@@ -80,17 +80,6 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   return io::remove_earlier_files(earlier);
 }
 
-/// Inputs and version of the check.
-Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& text,
-                                  const geometry::TriangleMesh& skull_L) {
-  nlohmann::json files = nlohmann::json::array();
-  LEFORT_TRY(const std::vector<io::InputFile> named, io::fingerprints(text.json, job.plan));
-  for (const auto& [name, sha256] : named) files.push_back({{"file", name}, {"sha256", sha256}});
-  return nlohmann::json{{"plan_sha256", io::Sha256().add(text.json).hex()},
-                        {"plan_files", files},
-                        {"skull_sha256", io::Sha256().add(skull_L).hex()}};
-}
-
 Result<io::PlanText> read_plan(const CheckPlanJob& job, Progress& progress) {
   if (job.skull) return io::read_plan_text(job.plan);
   return read_plan_of_scan(job.plan, job.ct, StageCache(job.cache.value_or(job.output / "cache")),
@@ -105,6 +94,19 @@ struct Bones {
   std::optional<anatomy::ToothMap> teeth{};  ///< Of a scan with a labeled mandible.
   std::string ct_sha256{};                   ///< Of a scan.
 };
+
+/// Inputs and version of the check.
+Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& text,
+                                  const Bones& before) {
+  nlohmann::json files = nlohmann::json::array();
+  LEFORT_TRY(const std::vector<io::InputFile> named, io::fingerprints(text.json, job.plan));
+  for (const auto& [name, sha256] : named) files.push_back({{"file", name}, {"sha256", sha256}});
+  nlohmann::json inputs{{"plan_sha256", io::Sha256().add(text.json).hex()},
+                        {"plan_files", files},
+                        {"skull_sha256", io::Sha256().add(before.skull_L).hex()}};
+  if (!before.ct_sha256.empty()) inputs["ct_sha256"] = before.ct_sha256;
+  return inputs;
+}
 
 /// The skull before the osteotomies: a surface, or the bone of a scan.
 Result<Bones> find_skull(const CheckPlanJob& job, const io::PlanFile& plan, Progress& progress) {
@@ -340,7 +342,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   const auto movements = segment_movements(directions, plan.landmarks, cut, plan.segments);
   result["movements"] = movements_json(movements);
   result["movements_along"] = directions.has_frankfurt_horizontal ? "Frankfurt horizontal" : "scan";
-  LEFORT_TRY(result["inputs"], provenance(job, plan_text, before.skull_L));
+  LEFORT_TRY(result["inputs"], provenance(job, plan_text, before));
   std::string text = in_words(check, cut);
   const MovedLandmarks after = move_landmarks(plan.landmarks, cut, plan.segments);
   LEFORT_TRY(const std::string table, add_cephalometry(plan.landmarks, after, result, text));

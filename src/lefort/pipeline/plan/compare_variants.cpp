@@ -11,12 +11,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace lefort::pipeline {
@@ -42,6 +44,23 @@ Result<nlohmann::json> document(const fs::path& file, const char* version) {
   return fail(ErrorCode::kFileCorrupt, fmt::format("{}: no `{}`", file.string(), version));
 }
 
+/// A string of a document; empty if it is missing.
+std::string text_at(const nlohmann::json& value, const char* object, const char* key) {
+  const auto inner = value.find(object);
+  if (inner == value.end() || !inner->is_object()) return {};
+  const auto at = inner->find(key);
+  return at != inner->end() && at->is_string() ? at->get<std::string>() : std::string();
+}
+
+/// Whether two checks are of one scan, or of one surface.
+bool is_same_head(const nlohmann::json& a, const nlohmann::json& b) {
+  for (const char* const key : {"ct_sha256", "skull_sha256"}) {
+    const std::string first = text_at(a, "inputs", key), second = text_at(b, "inputs", key);
+    if (!first.empty() && !second.empty()) return first == second;
+  }
+  return false;
+}
+
 Result<Variant> read_variant(const fs::path& folder, Progress& progress) {
   Variant one;
   one.folder = folder;
@@ -52,20 +71,18 @@ Result<Variant> read_variant(const fs::path& folder, Progress& progress) {
   if (!fs::exists(prediction)) return one;
   LEFORT_TRY(nlohmann::json found, document(prediction, "lefort_prediction"));
   LEFORT_TRY_VOID(io::check_prediction_version(found));
-  if (found.value("converged", false)) {
-    one.prediction = std::move(found);
-  } else {
+  if (!found.contains("converged") || found["converged"] != true) {
     progress.note(fmt::format("the prediction of {} did not converge and is left out", one.name));
+  } else if (text_at(found, "inputs", "plan_sha256") !=
+             text_at(one.check, "inputs", "plan_sha256")) {
+    progress.note(
+        fmt::format("the prediction of {} is of another plan than its check and is left "
+                    "out: predict again",
+                    one.name));
+  } else {
+    one.prediction = std::move(found);
   }
   return one;
-}
-
-/// A string of a document; empty if it is missing.
-std::string text_at(const nlohmann::json& value, const char* object, const char* key) {
-  const auto inner = value.find(object);
-  if (inner == value.end() || !inner->is_object()) return {};
-  const auto at = inner->find(key);
-  return at != inner->end() && at->is_string() ? at->get<std::string>() : std::string();
 }
 
 Result<std::vector<Variant>> read_variants(const VariantsJob& job, Progress& progress) {
@@ -79,9 +96,8 @@ Result<std::vector<Variant>> read_variants(const VariantsJob& job, Progress& pro
     if (!names.insert(one.name).second)
       return fail(ErrorCode::kInvalidArgument,
                   fmt::format("two folders have the name {}: rename one", one.name));
-    if (!variants.empty() && text_at(one.check, "inputs", "skull_sha256") !=
-                                 text_at(variants[0].check, "inputs", "skull_sha256"))
-      return fail(ErrorCode::kInvalidArgument, fmt::format("{} and {} are plans of different bones",
+    if (!variants.empty() && !is_same_head(one.check, variants[0].check))
+      return fail(ErrorCode::kInvalidArgument, fmt::format("{} and {} are plans of different heads",
                                                            variants[0].name, one.name));
     variants.push_back(std::move(one));
   }
@@ -110,6 +126,12 @@ class Rows {
   std::size_t columns_;
   std::map<std::string, std::size_t> number_of_;
 };
+
+std::vector<std::string> names_of_variants(const std::vector<Variant>& variants) {
+  std::vector<std::string> names;
+  for (const Variant& one : variants) names.push_back(one.name);
+  return names;
+}
 
 std::vector<std::string> heads_of(const std::vector<Variant>& variants, const std::string& first) {
   std::vector<std::string> heads{first};
@@ -140,7 +162,8 @@ std::string rotation_in_words(const nlohmann::json& terms) {
 }
 
 report::ReportTable movement_table(const std::vector<Variant>& variants) {
-  Rows rows("Movements (mm, degrees)", heads_of(variants, "segment, point"), variants.size());
+  Rows rows("Movements (mm; degrees: yaw to the left, pitch down, roll with the left side up)",
+            heads_of(variants, "segment, point"), variants.size());
   for (std::size_t n = 0; n < variants.size(); ++n)
     for (const nlohmann::json& one :
          variants[n].check.value("movements", nlohmann::json::array())) {
@@ -283,12 +306,13 @@ Result<Summary> compare_variants(const VariantsJob& job, Progress& progress) {
   try {
     tables = {movement_table(variants), measure_table(variants), result_table(variants)};
   } catch (const nlohmann::json::exception&) {
-    return fail(ErrorCode::kFileCorrupt, "a check.json is damaged: check the plan again");
+    return fail(ErrorCode::kFileCorrupt,
+                "a check.json or prediction.json is damaged: check and predict the plan again");
   }
   Summary summary;
   summary.json = {{"lefort_variants", 1},
                   {"notice", kNotForClinicalUse},
-                  {"variants", heads_of(variants, "").size() - 1},
+                  {"variants", names_of_variants(variants)},
                   {"tables", tables_json(tables)}};
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_variants(job.output, variants, tables, summary.json));

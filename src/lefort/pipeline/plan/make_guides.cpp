@@ -52,6 +52,8 @@ struct GuideHead {
   plan::HeadDirections directions;
   geometry::Bvh bone;
   plan::CutSegments cut;
+  std::vector<geometry::Bvh> pieces;  ///< The segments after all cuts, then the remainder.
+  geometry::Bvh cut_faces;            ///< Of all cuts.
   anatomy::ToothMap teeth;
   std::optional<dental::NumberedTeeth> numbers;
   Nerves nerves;
@@ -60,7 +62,8 @@ struct GuideHead {
 struct NamedHole {
   std::string name;
   dental::GuideHole hole;
-  RigidTransform X_LB = RigidTransform::Identity();  ///< Of its bone.
+  std::string bone;                                  ///< The segment that it is in, or "remainder".
+  RigidTransform X_LB = RigidTransform::Identity();  ///< Of that bone.
   ScrewNeighbor neighbor;
 };
 
@@ -112,6 +115,61 @@ Result<std::vector<std::size_t>> wanted_segments(const io::PlanFile& plan,
   return wanted;
 }
 
+bool has_teeth(const anatomy::ToothMap& teeth) {
+  return std::any_of(teeth.values.begin(), teeth.values.end(),
+                     [](anatomy::Tooth one) { return one != anatomy::Tooth::kNone; });
+}
+
+/// The piece of bone in which a screw holds: the one that contains the points of its axis. Nothing
+/// if they are in several pieces, or the first one is in none.
+std::optional<std::size_t> piece_of_screw(const GuideHead& head, const Vec3& entry_L,
+                                          const Vec3& tip_L) {
+  constexpr double kStep_mm = 0.5;
+  const int steps = int(std::ceil((tip_L - entry_L).norm() / kStep_mm));
+  std::optional<std::size_t> found;
+  for (int n = 1; n <= steps; ++n) {
+    const Vec3 p_L = entry_L + double(n) / steps * (tip_L - entry_L);
+    for (std::size_t piece = 0; piece < head.pieces.size(); ++piece) {
+      if (head.pieces[piece].signed_distance(p_L).distance_mm >= 0.0) continue;
+      if (found && *found != piece) return std::nullopt;
+      found = piece;
+    }
+    if (!found) return std::nullopt;
+  }
+  return found;
+}
+
+/// Distance of the axis of a screw from roots and nerves; negative if it would hold in several
+/// pieces of bone, or in none, or its surface would be closer than half a millimeter to a cut.
+double clear_of_screw(const GuideHead& head, const ScrewClearance& clearance, double screw_mm,
+                      const Vec3& entry_L, const Vec3& tip_L) {
+  constexpr double kFromCut_mm = 0.5, kStep_mm = 1.0;
+  const int steps = int(std::ceil((tip_L - entry_L).norm() / kStep_mm));
+  for (int n = 0; n <= steps; ++n)
+    if (head.cut_faces.closest_point(entry_L + double(n) / steps * (tip_L - entry_L),
+                                     0.5 * screw_mm + kFromCut_mm))
+      return -1.0;
+  if (!piece_of_screw(head, entry_L, tip_L)) return -1.0;
+  return clearance.closest(entry_L, tip_L).distance_mm;
+}
+
+/// Reports what holes are not compared with.
+void note_unknown(const GuideJob& job, const anatomy::ToothMap& teeth, Progress& progress) {
+  if (!has_teeth(teeth))
+    progress.note("warning: no teeth are found: holes are not compared with roots");
+  if (!job.nerve)
+    progress.note("no --nerve is given: holes are not compared with the canals of the nerves");
+}
+
+/// All faces of the cuts.
+geometry::TriangleMesh all_cut_faces(const plan::CutSegments& cut, const io::PlanFile& plan) {
+  geometry::TriangleMesh faces_L;
+  for (const geometry::TriangleMesh& segment_L : cut.segments_L)
+    for (const plan::PlannedSegment& one : plan.segments)
+      if (is_cut(one)) plan::append(faces_L, plan::cut_faces(segment_L, one.osteotomy));
+  return faces_L;
+}
+
 Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
   const StageCache cache(job.output / "cache");
   LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
@@ -133,9 +191,14 @@ Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
   if (!teeth.values.empty()) {
     LEFORT_TRY(numbers, corrected_numbers(teeth, text.plan.landmarks, job.tooth_corrections));
   }
-  return GuideHead{std::move(text.plan), directions,       geometry::Bvh(std::move(head.skull_L)),
-                   std::move(cut),       std::move(teeth), std::move(numbers),
-                   std::move(nerves)};
+  note_unknown(job, teeth, progress);
+  if (head.mandible_L) plan::append(head.skull_L, *head.mandible_L);
+  std::vector<geometry::Bvh> pieces(cut.segments_L.begin(), cut.segments_L.end());
+  pieces.emplace_back(cut.remainder_L);
+  geometry::Bvh faces(all_cut_faces(cut, text.plan));
+  return GuideHead{std::move(text.plan), directions,         geometry::Bvh(std::move(head.skull_L)),
+                   std::move(cut),       std::move(pieces),  std::move(faces),
+                   std::move(teeth),     std::move(numbers), std::move(nerves)};
 }
 
 /// "right", "left", or "middle".
@@ -151,15 +214,18 @@ std::string side_of(const dental::CutLine& line, const GuideHead& head) {
 }
 
 NamedHole named_hole(const dental::GuideHole& hole, std::size_t number, const NamedGuide& guide,
-                     const GuideHead& head, std::size_t segment, const ScrewClearance& clearance,
+                     const GuideHead& head, const ScrewClearance& clearance,
                      const dental::HoleOptions& options) {
   NamedHole one;
-  one.name =
-      fmt::format("{} {} {}", guide.name, hole.is_on_segment ? "segment" : "other side", number);
   one.hole = hole;
-  if (hole.is_on_segment) one.X_LB = geometry::pose_at(head.plan.segments[segment].path, 1.0);
-  one.neighbor = clearance.closest(hole.point_L, hole.point_L - options.depth_mm * hole.axis_L);
-  one.neighbor.distance_mm -= 0.5 * options.diameter_mm;
+  const Vec3 tip_L = hole.point_L - options.depth_mm * hole.axis_L;
+  const std::size_t piece = piece_of_screw(head, hole.point_L, tip_L).value();
+  const bool is_segment = piece < head.plan.segments.size();
+  one.bone = is_segment ? head.plan.segments[piece].osteotomy.segment : "remainder";
+  if (is_segment) one.X_LB = geometry::pose_at(head.plan.segments[piece].path, 1.0);
+  one.name = fmt::format("{} {} in {}", guide.name, number, one.bone);
+  one.neighbor = clearance.closest(hole.point_L, tip_L);
+  one.neighbor.distance_mm -= 0.5 * options.screw_mm;
   return one;
 }
 
@@ -168,11 +234,14 @@ Result<NamedGuide> guide_of(const GuideJob& job, const GuideHead& head, std::siz
                             const dental::CutLine& line, std::string name, Progress& progress) {
   Box3 box_L;
   for (const Vec3& p_L : line.points_L) box_L.extend(p_L);
+  const Vec3 beyond_mm = Vec3::Constant(job.guide.width_mm + job.holes.depth_mm);
+  box_L = Box3(box_L.min() - beyond_mm, box_L.max() + beyond_mm);
   const ScrewClearance clearance(head.teeth, head.numbers ? &*head.numbers : nullptr,
                                  head.nerves.canals, box_L);
   const auto holes = dental::choose_holes(
-      site, line, job.guide, job.holes,
-      [&](const Vec3& a, const Vec3& b) { return clearance.closest(a, b).distance_mm; });
+      site, line, job.guide, job.holes, [&](const Vec3& entry_L, const Vec3& tip_L) {
+        return clear_of_screw(head, clearance, job.holes.screw_mm, entry_L, tip_L);
+      });
   NamedGuide named;
   named.name = std::move(name);
   named.segment = head.plan.segments[segment].osteotomy.segment;
@@ -180,7 +249,7 @@ Result<NamedGuide> guide_of(const GuideJob& job, const GuideHead& head, std::siz
   LEFORT_TRY(named.guide,
              dental::make_guide(site, line, holes, job.holes.diameter_mm, job.guide, progress));
   for (std::size_t n = 0; n < holes.size(); ++n)
-    named.holes.push_back(named_hole(holes[n], n + 1, named, head, segment, clearance, job.holes));
+    named.holes.push_back(named_hole(holes[n], n + 1, named, head, clearance, job.holes));
   named.wanted_holes = 2 * dental::holes_per_side(line);
   return named;
 }
@@ -241,7 +310,7 @@ Result<void> add_guides(const GuideJob& job, const GuideHead& head, std::size_t 
 
 nlohmann::json hole_json(const NamedHole& one) {
   nlohmann::json found{{"name", one.name},
-                       {"is_on_segment", one.hole.is_on_segment},
+                       {"bone", one.bone},
                        {"before_mm", as_json(one.hole.point_L)},
                        {"after_mm", as_json(Vec3(one.X_LB * one.hole.point_L))},
                        {"axis_before", as_json(one.hole.axis_L)},
@@ -280,7 +349,7 @@ std::string guide_text(const NamedGuide& one, const GuideJob& job) {
                                           return a.neighbor.distance_mm < b.neighbor.distance_mm;
                                         });
   if (closest != one.holes.end() && !closest->neighbor.name.empty())
-    text += fmt::format(", {:.1f} mm or more from roots and nerves ({})",
+    text += fmt::format(", screws {:.1f} mm or more from roots and canals that are known ({})",
                         closest->neighbor.distance_mm, closest->neighbor.name);
   if (int(one.holes.size()) < one.wanted_holes)
     text += fmt::format(
@@ -302,9 +371,12 @@ Result<void> remove_earlier_guides(const fs::path& folder) {
   if (!text) return {};
   const auto earlier = nlohmann::json::parse(*text, nullptr, false);
   if (!earlier.is_object() || !earlier.contains("lefort_guides")) return {};
-  std::vector<fs::path> files{folder / kHolesBefore, folder / kHolesAfter};
-  for (const auto& guide : earlier.value("guides", nlohmann::json::array())) {
-    const std::string name = guide.is_object() ? guide.value("file", "") : "";
+  std::vector<fs::path> files{folder / kGuidesFile, folder / kHolesBefore, folder / kHolesAfter};
+  const auto guides = earlier.find("guides");
+  if (guides == earlier.end() || !guides->is_array()) return io::remove_earlier_files(files);
+  for (const auto& guide : *guides) {
+    const bool has_name = guide.is_object() && guide.contains("file") && guide["file"].is_string();
+    const std::string name = has_name ? guide["file"].get<std::string>() : std::string();
     if (name.starts_with("guide_") && name.ends_with(".stl") && fs::path(name).filename() == name)
       files.push_back(folder / name);
   }
@@ -339,11 +411,16 @@ Result<Summary> make_guides(const GuideJob& job, Progress& progress) {
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY(const GuideHead head, read_head(job, progress));
   LEFORT_TRY(const std::vector<std::size_t> wanted, wanted_segments(head.plan, job.segment));
-  if (!job.nerve)
-    progress.note("no --nerve is given: holes are not compared with the canals of the nerves");
   std::vector<NamedGuide> guides;
-  for (const std::size_t segment : wanted)
+  for (const std::size_t segment : wanted) {
+    const std::size_t before = guides.size();
     LEFORT_TRY_VOID(add_guides(job, head, segment, guides, progress));
+    if (guides.size() == before)
+      progress.note(
+          fmt::format("warning: no guide for segment '{}': its cut is not visible along "
+                      "{:g} mm from that side",
+                      head.plan.segments[segment].osteotomy.segment, kMinLine_mm));
+  }
   if (guides.empty())
     return fail(ErrorCode::kCutMissesBone,
                 fmt::format("no cut is visible along {:g} mm from that side: choose another one "
@@ -359,9 +436,11 @@ Result<Summary> make_guides(const GuideJob& job, Progress& progress) {
   summary.json = {{"lefort_guides", 1},
                   {"notice", kNotForClinicalUse},
                   {"hole_diameter_mm", job.holes.diameter_mm},
+                  {"screw_diameter_mm", job.holes.screw_mm},
                   {"hole_depth_mm", job.holes.depth_mm},
                   {"min_distance_mm", job.holes.min_clear_mm},
-                  {"is_nerve_considered", job.nerve.has_value()},
+                  {"are_nerves_considered", job.nerve.has_value()},
+                  {"are_roots_considered", has_teeth(head.teeth)},
                   {"guides", list}};
   LEFORT_TRY_VOID(write_guides(job.output, guides, summary.json));
   return summary;

@@ -20,6 +20,7 @@ double distance_to_segment(const Vec3& p, const Vec3& from, const Vec3& to) {
 ScrewClearance::ScrewClearance(const anatomy::ToothMap& teeth, const dental::NumberedTeeth* numbers,
                                std::span<const predict::NerveTube> nerves, const Box3& box_L) {
   constexpr double kReach_mm = 15.0, kLine_mm = 0.5;
+  half_voxel_mm_ = 0.5 * teeth.grid.spacing_mm.norm();
   for (std::size_t v = 0; v < teeth.values.size(); ++v) {
     if (teeth.values[v] == anatomy::Tooth::kNone) continue;
     const Vec3 center_L = teeth.grid.center_L(Index(v));
@@ -39,8 +40,10 @@ ScrewNeighbor ScrewClearance::closest(const Vec3& from_L, const Vec3& to_L) cons
       found.distance_mm = d;
       tooth = &one;
     }
-  if (tooth != nullptr)
+  if (tooth != nullptr) {
+    found.distance_mm = std::max(0.0, found.distance_mm - half_voxel_mm_);
     found.name = tooth->fdi > 0 ? fmt::format("tooth {}", tooth->fdi) : std::string("a tooth");
+  }
   for (const predict::NerveTube& nerve : nerves_)
     for (const Vec3& p_L : nerve.line_L)
       if (const double d = distance_to_segment(p_L, from_L, to_L) - nerve.radius_mm;

@@ -15,8 +15,9 @@ namespace lefort::pipeline {
 
 /// What a screw comes closest to.
 struct ScrewNeighbor {
-  double distance_mm = 0.0;  ///< From the axis of the screw to the root or the wall of the canal.
-  std::string name;          ///< "tooth 13" or "right canal"; empty if nothing is near.
+  /// From the axis of the screw to the voxels of the root, or to the wall of the canal.
+  double distance_mm = 0.0;
+  std::string name;  ///< "tooth 13" or "right canal"; empty if nothing is near.
 };
 
 /// Teeth and canals near a place.
@@ -39,6 +40,7 @@ class ScrewClearance {
     int fdi;
   };
   std::vector<ToothPoint> teeth_;
+  double half_voxel_mm_ = 0.0;              ///< Half of the diagonal of a voxel.
   std::vector<predict::NerveTube> nerves_;  ///< With lines of 0.5 mm.
 };
 
