@@ -113,7 +113,7 @@ Result<std::vector<std::size_t>> wanted_segments(const io::PlanFile& plan,
 }
 
 Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
-  const StageCache cache(job.output / "cache");
+  const StageCache cache(job.cache.value_or(job.output / "cache"));
   LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
   io::note_warnings(text.plan.warnings, progress);
   LEFORT_TRY_VOID(wanted_segments(text.plan, job.segment));
