@@ -383,6 +383,16 @@ TEST_F(ServerMeasures, AirwayAndCephalogramAreMeasured) {
   expect_files("cephalogram", {"cephalogram.json", "cephalometry.pdf", "lateral.png", "frontal.png",
                                "tracing.png", "measurements.csv", "norms.csv"});
   EXPECT_EQ(stage("airway")["state"], "fresh");
+  json measured = json::parse(io::read_text(root() / "airway/airway.json", 1 << 20).value());
+  EXPECT_FALSE(measured.contains("after"));  // There is no prediction.
+  const std::string before = measured.dump();
+  measured["after"] = measured;
+  measured["after"]["wall_in_tissue_mesh"] = 0.4;
+  ASSERT_TRUE(io::write_text(root() / "airway/airway.json", measured.dump()));
+  const json after = document("/airway", "Airway")["after"];
+  EXPECT_EQ(after["wall_in_tissue_mesh"], 0.4);
+  EXPECT_EQ(after["min_section"]["area_mm2"], measured["min_section"]["area_mm2"]);
+  ASSERT_TRUE(io::write_text(root() / "airway/airway.json", before));
   json landmarks = api().get("/landmarks");
   landmarks["landmarks"]["PNS"][2] = landmarks["landmarks"]["PNS"][2].get<double>() - 1.0;
   ASSERT_EQ(api().put("/landmarks", landmarks).status, 200);
