@@ -140,6 +140,7 @@ TEST(ServerContract, ResponsesOfAnEmptyCaseMatchTheContract) {
          std::vector<std::pair<std::string, std::string>>{{"{job}", "1"},
                                                           {"{surface}", "skin"},
                                                           {"{segment}", "front"},
+                                                          {"{guide}", "chin_left"},
                                                           {"{step}", "1"},
                                                           {"{values}", "difference"},
                                                           {"{file}", "plan.json"},

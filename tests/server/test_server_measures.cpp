@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <string>
@@ -238,6 +239,8 @@ TEST_F(ServerMeasures, ArchesAreRegisteredBroughtToOcclusionAndHeldByASplint) {
                              "lower_contacts.vtp"});
   expect_surface("lower_in_occlusion");
 
+  EXPECT_EQ(occlusion["source"], "maximum intercuspation");
+
   const json made = api().run({{"kind", "splint"},
                                {"splint", "final"},
                                {"open_mm", 2.5},
@@ -268,6 +271,29 @@ TEST_F(ServerMeasures, ArchesAreRegisteredBroughtToOcclusionAndHeldByASplint) {
   EXPECT_EQ(text.find("DOE^JOHN"), std::string::npos);
 }
 
+TEST_F(ServerMeasures, AnOcclusionIsThatOfTheScannerOrOfBiteScans) {
+  register_arches();
+  const json scanned = api().run({{"kind", "occlusion"}, {"source", "as_scanned"}});
+  ASSERT_EQ(scanned["state"], "done") << scanned.dump(1);
+  const json occlusion = document("/occlusion", "Occlusion");
+  EXPECT_EQ(occlusion["source"], "as the files were scanned");
+  EXPECT_TRUE(occlusion["bites"].empty());
+  EXPECT_LT(std::abs(occlusion["movement"]["superior_mm"].get<double>()), 1.0);  // Not closed.
+  EXPECT_EQ(stage("occlusion")["state"], "fresh");
+
+  const auto bite = [](const std::string& first) {
+    return json{{"kind", "occlusion"}, {"source", "bite"}, {"bite", first}};
+  };
+  expect_failed(bite("0123456789abcdef"), "bite scan: no such upload");
+  expect_failed(bite(upload("no scan", "a.dcm")), "bite scan: an intraoral scan is one file");
+  expect_failed(bite(upload("solid a", "DOE^JOHN.stl")), "bite scan: ");
+  json second = bite(upload_arch("upper"));
+  second["bite2"] = upload("solid a", "DOE^JOHN.stl");
+  expect_failed(second, "second bite scan: ");
+  expect_failed(bite(upload_arch("upper")), "of the bite scan lies on the arches");
+  EXPECT_EQ(document("/occlusion", "Occlusion"), occlusion);  // The earlier one is kept.
+}
+
 TEST_F(ServerMeasures, ScansThatAreNoneAreRefusedInOneLine) {
   expect_failed({{"kind", "arches"}}, "no intraoral scan");
   expect_failed({{"kind", "arches"}, {"upper", "0123456789abcdef"}}, "upper jaw: no such upload");
@@ -288,6 +314,11 @@ TEST_F(ServerMeasures, ScansThatAreNoneAreRefusedInOneLine) {
         R"({"kind":"splint"})", R"({"kind":"splint","splint":"final","open_mm":-1})",
         R"({"kind":"splint","splint":"final","wall_mm":1e300})",
         R"({"kind":"splint","splint":"intermediate","segment":"../../etc"})",
+        R"({"kind":"occlusion","source":"bite"})", R"({"kind":"occlusion","source":"guess"})",
+        R"({"kind":"occlusion","bite":"0123456789abcdef"})",
+        R"({"kind":"guides","segment":"../../etc"})", R"({"kind":"guides","from":"behind"})",
+        R"({"kind":"guides","thickness_mm":1})", R"({"kind":"guides","width_mm":1e300})",
+        R"({"kind":"guides","hole_diameter_mm":0})", R"({"kind":"guides","hole_distance_mm":"5"})",
         R"({"kind":"cephalogram","norms":"child"})", R"({"kind":"nerve","landmarks":"/etc"})"}) {
     const Response reply = api().call_api("POST", "/jobs", request);
     EXPECT_EQ(reply.status, 422) << request;
@@ -301,13 +332,13 @@ TEST_F(ServerMeasures, ResultsNeedAScan) {
   for (const json& request :
        {json{{"kind", "teeth"}}, json{{"kind", "arches"}}, json{{"kind", "occlusion"}},
         json{{"kind", "splint"}, {"splint", "final"}}, json{{"kind", "nerve"}},
-        json{{"kind", "airway"}}, json{{"kind", "cephalogram"}}}) {
+        json{{"kind", "guides"}}, json{{"kind", "airway"}}, json{{"kind", "cephalogram"}}}) {
     const json job = none.run(request);
     EXPECT_EQ(job["state"], "failed");
     EXPECT_EQ(job["message"], "the case has no scan: import one first") << request;
   }
-  for (const char* path :
-       {"/teeth", "/arches", "/occlusion", "/splints/final", "/nerve", "/airway", "/cephalogram"})
+  for (const char* path : {"/teeth", "/arches", "/occlusion", "/splints/final", "/nerve", "/guides",
+                           "/airway", "/cephalogram"})
     EXPECT_EQ(none.call_api("GET", path).status, 404) << path;
 }
 
@@ -352,6 +383,16 @@ TEST_F(ServerMeasures, AirwayAndCephalogramAreMeasured) {
   expect_files("cephalogram", {"cephalogram.json", "cephalometry.pdf", "lateral.png", "frontal.png",
                                "tracing.png", "measurements.csv", "norms.csv"});
   EXPECT_EQ(stage("airway")["state"], "fresh");
+  json measured = json::parse(io::read_text(root() / "airway/airway.json", 1 << 20).value());
+  EXPECT_FALSE(measured.contains("after"));  // There is no prediction.
+  const std::string before = measured.dump();
+  measured["after"] = measured;
+  measured["after"]["wall_in_tissue_mesh"] = 0.4;
+  ASSERT_TRUE(io::write_text(root() / "airway/airway.json", measured.dump()));
+  const json after = document("/airway", "Airway")["after"];
+  EXPECT_EQ(after["wall_in_tissue_mesh"], 0.4);
+  EXPECT_EQ(after["min_section"]["area_mm2"], measured["min_section"]["area_mm2"]);
+  ASSERT_TRUE(io::write_text(root() / "airway/airway.json", before));
   json landmarks = api().get("/landmarks");
   landmarks["landmarks"]["PNS"][2] = landmarks["landmarks"]["PNS"][2].get<double>() - 1.0;
   ASSERT_EQ(api().put("/landmarks", landmarks).status, 200);
@@ -367,13 +408,15 @@ TEST_F(ServerMeasures, DamagedResultsAreRefusedInOneLine) {
                                            {"occlusion", "occlusion.json", "/occlusion"},
                                            {"splint_final", "splint.json", "/splints/final"},
                                            {"nerve", "nerve.json", "/nerve"},
+                                           {"guides", "guides.json", "/guides"},
                                            {"airway", "airway.json", "/airway"},
                                            {"cephalogram", "cephalogram.json", "/cephalogram"}}) {
     fs::create_directories(root() / folder);
     for (const std::string& text :
          {std::string("{"), std::string("[]"), std::string("{}"),
-          std::string(R"({"notice":"","teeth":[1],"upper":1,"lower":[2],"right":3,"points":4,)"
-                      R"("min_section":5,"measurements":6})"),
+          std::string(
+              R"({"notice":"","teeth":[1],"upper":1,"lower":[2],"right":3,"points":4,)"
+              R"("min_section":5,"measurements":6,"guides":[7,{"fit":8,"holes":[9]}],"after":1})"),
           std::string(100'000, '[')}) {
       ASSERT_TRUE(io::write_text(root() / folder / file, text));
       const Response reply = api().call_api("GET", path);
@@ -430,6 +473,68 @@ TEST_F(ServerMeasures, TheCheckUsesTheCanalsAndTheSplintTheCheckedMovement) {
   ASSERT_EQ(api().put("/plan", other).status, 200);
   EXPECT_EQ(stage("splint_intermediate")["state"], "stale");
   EXPECT_EQ(stage("cephalogram")["state"], "stale");
+}
+
+TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {
+  expect_failed({{"kind", "guides"}}, "the case has no plan");
+  const json plan{{"lefort_plan", 1},
+                  {"ct", "ct.nrrd"},
+                  {"landmarks", "landmarks.mrk.json"},
+                  {"segmentation", {{"labels", "anatomy/labels.seg.nrrd"}}},
+                  {"segments",
+                   {{{"name", "chin"},
+                     {"osteotomy", {{"template", "genioplasty"}, {"kerf_mm", 0.8}}},
+                     {"path", {{"keyframes", {{{"translation_mm", {0, -6, 2}}}}}}}}}}};
+  const Response stored = api().put("/plan", plan);
+  ASSERT_EQ(stored.status, 200) << stored.text;
+  expect_failed({{"kind", "guides"}, {"segment", "maxilla"}}, "no segment 'maxilla'");
+  expect_failed({{"kind", "guides"}, {"width_mm", 5}, {"hole_distance_mm", 15}}, "mm or more");
+  EXPECT_EQ(stage("guides")["state"], "failed");
+  const json job = api().run({{"kind", "guides"}, {"segment", "chin"}, {"thickness_mm", 2.5}});
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  EXPECT_EQ(job["message"].get<std::string>().find("--"), std::string::npos) << job["message"];
+  EXPECT_EQ(stage("guides")["state"], "fresh");
+  const json found = document("/guides", "Guides");
+  EXPECT_FALSE(found["is_nerve_considered"]);
+  ASSERT_EQ(found["guides"].size(), 1U);
+  const json guide = found["guides"][0];
+  EXPECT_EQ(guide["name"], "chin_middle");
+  EXPECT_EQ(guide["put_on_from"], "anterior");
+  EXPECT_NEAR(guide["slot_width_mm"].get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(guide["fit"]["clearance_mm"]["median"].get<double>(), 0.1, 0.05);
+  EXPECT_FALSE(guide["holes"].empty());
+  expect_files("guides", {"guides.json", "holes_before.mrk.json", "holes_after.mrk.json",
+                          "guide_chin_middle.stl"});
+  expect_surface("guides/chin_middle");
+  EXPECT_FALSE(fs::exists(root() / "guides/cache"));
+  for (const char* name : {"chin_left", "chin_middle_0", "chin_middle_1234", "chin", "_left",
+                           "chin_middlex", "..%2Fchin_middle"}) {
+    EXPECT_EQ(api().call_api("GET", std::string("/surfaces/guides/") + name).status, 404) << name;
+    EXPECT_EQ(api().call_api("GET", std::string("/files/guide_") + name + ".stl").status, 404);
+  }
+
+  // Out of date with the plan, the canals and the numbers of teeth.
+  ASSERT_EQ(api().put("/nerve/points", {{"points", json::object()}}).status, 200);
+  EXPECT_EQ(stage("guides")["state"], "fresh");
+  const json corrections{{{"found", 46}, {"fdi", 47}}};
+  ASSERT_EQ(api()
+                .put("/teeth/corrections",
+                     {{"lefort_tooth_corrections", 1}, {"corrections", corrections}})
+                .status,
+            200);
+  EXPECT_EQ(stage("guides")["why"], "numbers of teeth were corrected after this was computed");
+  ASSERT_EQ(api()
+                .put("/teeth/corrections",
+                     {{"lefort_tooth_corrections", 1}, {"corrections", json::array()}})
+                .status,
+            200);
+  EXPECT_EQ(stage("guides")["state"], "fresh");
+  ASSERT_EQ(api().run({{"kind", "nerve"}})["state"], "done");
+  EXPECT_EQ(stage("guides")["why"], "the canals of the nerves changed after this was computed");
+  json other = plan;
+  other["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, -5, 2};
+  ASSERT_EQ(api().put("/plan", other).status, 200);
+  EXPECT_EQ(stage("guides")["state"], "stale");
 }
 
 TEST_F(ServerMeasures, CorrectionsOfAnotherScanAreNotUsed) {

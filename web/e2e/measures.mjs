@@ -131,6 +131,28 @@ test('intraoral scans that are none are refused in one line', () =>
     await accessible(page, 'the splint');
   }));
 
+test('an occlusion of bite scans needs one', () =>
+  withMeasures('arches', async (page) => {
+    await page.getByRole('button', { name: 'As scanned', exact: true }).click();
+    check('no bite scan is asked for', (await page.locator(id('choose-bite')).count()) === 0);
+    await page.getByRole('button', { name: 'Bite scan', exact: true }).click();
+    await page.locator(id('choose-bite2')).waitFor();
+    await accessible(page, 'the choice of bite scans');
+  }));
+
+test('cutting guides need a segment of the plan', () =>
+  withMeasures('guides', async (page) => {
+    await page.getByText('The plan has no segment.').waitFor();
+    check('no guide can be made', await page.locator(id('run-guides')).isDisabled());
+    await page.locator(id('guide-width_mm')).fill('50');
+    await page.locator(id('guide-width_mm')).press('Enter');
+    check(
+      'a width beyond the limit is marked',
+      (await page.locator(id('guide-width_mm')).getAttribute('aria-invalid')) === 'true',
+    );
+    await accessible(page, 'cutting guides');
+  }));
+
 test('canals are traced, corrected by a drag, and traced again', () =>
   withMeasures('nerve', async (page) => {
     await runJob(page, 'nerve');

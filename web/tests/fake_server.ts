@@ -23,6 +23,7 @@ const STAGES = [
   'splint_final',
   'splint_intermediate',
   'nerve',
+  'guides',
   'airway',
   'cephalogram',
 ] as const satisfies readonly (keyof Stages)[];

@@ -1,13 +1,18 @@
 import { describe, expect, it } from 'vitest';
 import {
   archOrder,
+  closestToHoles,
+  defaultGuides,
   faultOfNumber,
+  GUIDE_LIMITS,
+  guideParameters,
   isToothNumber,
   maxillaOf,
   nerveDistances,
   shownNervePoints,
   sideOfPoint,
   toothRows,
+  warningsOf,
   withNervePoint,
   withoutNervePoint,
   withToothNumber,
@@ -130,5 +135,38 @@ describe('the segment of the maxilla', () => {
     expect(maxillaOf([segment('front')])).toBe('front');
     expect(maxillaOf([segment('a'), segment('b')])).toBeNull();
     expect(maxillaOf([])).toBeNull();
+  });
+});
+
+describe('cutting guides', () => {
+  it('leave out parameters that are not chosen', () => {
+    const settings = defaultGuides();
+    expect(Object.keys(guideParameters(settings)).sort()).toEqual(Object.keys(GUIDE_LIMITS).sort());
+    expect(guideParameters({ ...settings, segment: 'chin', from: 'inferior' })).toMatchObject({
+      segment: 'chin',
+      from: 'inferior',
+      thickness_mm: 3,
+    });
+  });
+
+  it('have defaults within the limits', () => {
+    const settings = defaultGuides();
+    for (const key of Object.keys(GUIDE_LIMITS) as (keyof typeof GUIDE_LIMITS)[]) {
+      expect(settings[key]).toBeGreaterThanOrEqual(GUIDE_LIMITS[key][0]);
+      expect(settings[key]).toBeLessThanOrEqual(GUIDE_LIMITS[key][1]);
+    }
+  });
+
+  it('name the closest root or nerve of all holes', () => {
+    const root = { name: 'root of 43', distance_mm: 3.5 };
+    const nerve = { name: 'right nerve', distance_mm: 2.5 };
+    expect(closestToHoles([{ closest: root }, {}, { closest: nerve }])).toEqual(nerve);
+    expect(closestToHoles([{}])).toBeNull();
+  });
+
+  it('show each warning of the summary once', () => {
+    const text = 'guide_a_left.stl: slot\n  warning: meets bone\n4 holes\n  warning: meets bone\n';
+    expect(warningsOf(text)).toEqual(['meets bone']);
+    expect(warningsOf('')).toEqual([]);
   });
 });

@@ -26,7 +26,8 @@ struct GuideJob {
   std::string from;
   dental::GuideOptions guide;
   dental::HoleOptions holes;
-  std::filesystem::path output;  ///< A folder; made if missing.
+  std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
+  std::filesystem::path output;                ///< A folder; made if missing.
 };
 
 /// Makes cutting guides (dental::make_guide()) for the lines of the cuts that are visible from one

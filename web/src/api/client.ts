@@ -129,6 +129,7 @@ export class Client {
   splint = (splint: 'final' | 'intermediate') => this.get('Splint', `/splints/${splint}`);
   nerve = () => this.get('Nerve', '/nerve');
   nervePoints = () => this.getIfTagged('NervePoints', '/nerve/points');
+  guides = () => this.get('Guides', '/guides');
   airway = () => this.get('Airway', '/airway');
   cephalogram = () => this.get('Cephalogram', '/cephalogram');
   stepRegions = (step: number) => this.get('RegionShifts', `/prediction/steps/${step}/regions`);

@@ -298,6 +298,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/surfaces/guides/{guide}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Surface of a cutting guide: LFSURF1 binary */
+        get: operations["getGuideSurface"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/surfaces/segments/{segment}": {
         parameters: {
             query?: never;
@@ -614,7 +631,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** The maximum intercuspation. The surface is lower_in_occlusion */
+        /** The occlusion of both arches. The surface is lower_in_occlusion */
         get: operations["getOcclusion"];
         put?: never;
         post?: never;
@@ -669,6 +686,23 @@ export interface paths {
         get: operations["getNervePoints"];
         /** Replaces the corrected points (nerve_points.mrk.json); the job nerve uses them as landmarks */
         put: operations["putNervePoints"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/guides": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The cutting guides of the plan. The surface of each is guides/NAME, its file guide_NAME.stl */
+        get: operations["getGuides"];
+        put?: never;
         post?: never;
         delete?: never;
         options?: never;
@@ -819,6 +853,7 @@ export interface components {
                 splint_final: components["schemas"]["Stage"];
                 splint_intermediate: components["schemas"]["Stage"];
                 nerve: components["schemas"]["Stage"];
+                guides: components["schemas"]["Stage"];
                 airway: components["schemas"]["Stage"];
                 cephalogram: components["schemas"]["Stage"];
             };
@@ -839,7 +874,7 @@ export interface components {
             bytes: number;
         };
         /** @enum {unknown} */
-        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "airway" | "cephalogram";
+        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "guides" | "airway" | "cephalogram";
         JobRequest: {
             /** @constant */
             kind: "import";
@@ -891,6 +926,19 @@ export interface components {
         } | {
             /** @constant */
             kind: "occlusion";
+            /**
+             * @description search: the maximum intercuspation. as_scanned: that of the files of the intraoral scans, which the scanner has exported in occlusion. Default search.
+             * @enum {unknown}
+             */
+            source?: "search" | "as_scanned";
+        } | {
+            /** @constant */
+            kind: "occlusion";
+            /** @constant */
+            source: "bite";
+            bite: string;
+            /** @description For example of the other side. */
+            bite2?: string;
         } | {
             /** @constant */
             kind: "splint";
@@ -920,6 +968,22 @@ export interface components {
         } | {
             /** @constant */
             kind: "nerve";
+        } | {
+            /** @constant */
+            kind: "guides";
+            /** @description Default: each segment that is cut by planes or curves. */
+            segment?: string;
+            /**
+             * @description The side from which the guide is put on. Default: right and left for a sagittal split, anterior for other osteotomies.
+             * @enum {unknown}
+             */
+            from?: "anterior" | "right" | "left" | "inferior";
+            thickness_mm?: number;
+            /** @description On each side of the cut. */
+            width_mm?: number;
+            hole_diameter_mm?: number;
+            /** @description Of the centers of the holes from the cut. */
+            hole_distance_mm?: number;
         } | {
             /** @constant */
             kind: "airway";
@@ -1457,6 +1521,15 @@ export interface components {
         /** @description Of occlusion.json. */
         Occlusion: {
             notice: string;
+            /** @description Where the occlusion comes from, in words. */
+            source?: string;
+            /** @description How each bite scan lies on the arches. */
+            bites?: {
+                upper_rms_mm: number;
+                lower_rms_mm: number;
+                /** @description Of the bite scan that lies on the arches. */
+                fraction: number;
+            }[];
             /** @description Of the lower arch. */
             movement: {
                 anterior_mm: number;
@@ -1545,6 +1618,55 @@ export interface components {
             above_lower_mm: number;
             min_section: components["schemas"]["AirwaySection"];
             min_axial_section: components["schemas"]["AirwaySection"];
+            /** @description After the movement of the prediction. */
+            after?: {
+                volume_ml: number;
+                length_mm: number;
+                closed_mm: number;
+                min_section: components["schemas"]["AirwaySection"];
+                min_axial_section: components["schemas"]["AirwaySection"];
+                /** @description Fraction of the wall that lies in the tissue mesh of the prediction. */
+                wall_in_tissue_mesh: number;
+            };
+        };
+        GuideHole: {
+            name: string;
+            /** @description Otherwise on the bone on the other side of the cut. */
+            is_on_segment: boolean;
+            /** @description On the bone before surgery. */
+            before_mm: number[];
+            /** @description After the movement. */
+            after_mm: number[];
+            /** @description Thickness of the bone along the hole. */
+            bone_mm: number;
+            /** @description The closest root or nerve. */
+            closest?: {
+                name: string;
+                distance_mm: number;
+            };
+        };
+        Guide: {
+            name: string;
+            segment: string;
+            /** @enum {unknown} */
+            put_on_from: "anterior" | "right" | "left" | "inferior";
+            volume_ml: number;
+            parts: number;
+            /** @description Length of all slots. */
+            slot_mm: number;
+            slot_width_mm: number;
+            /** @description Of the bone under the guide. */
+            fit: components["schemas"]["SplintFit"];
+            holes: components["schemas"]["GuideHole"][];
+        };
+        /** @description Of guides.json. */
+        Guides: {
+            notice: string;
+            hole_diameter_mm: number;
+            /** @description Of holes from roots and nerves. */
+            min_distance_mm: number;
+            is_nerve_considered: boolean;
+            guides: components["schemas"]["Guide"][];
         };
         /** @description Of cephalogram.json. */
         Cephalogram: {
@@ -1580,7 +1702,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "airway_after.csv" | "airway_after.svg" | "guides.json" | "holes_before.mrk.json" | "holes_after.mrk.json" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -2129,6 +2251,34 @@ export interface operations {
             path: {
                 /** @description Name of the surface. */
                 surface: components["schemas"]["SurfaceName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description Names of the scalar arrays, separated by commas. */
+                    "X-Lefort-Scalars"?: string;
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getGuideSurface: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Name of the guide in /guides. */
+                guide: string;
             };
             cookie?: never;
         };
@@ -2795,6 +2945,29 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NervePoints"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getGuides: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Guides"];
                 };
             };
             default: components["responses"]["Refused"];

@@ -55,6 +55,7 @@ export const SKIN: Rgb = hex('#d9a88c');
 export const TEETH: Rgb = hex('#ece7dc');
 export const LOWER_TEETH: Rgb = hex('#cfdbe6');
 export const SPLINT: Rgb = hex('#4c9fd0');
+export const GUIDE: Rgb = hex('#4c9fd0');
 export const NERVE: Rgb = hex('#f2b21b');
 export const AIRWAY: Rgb = hex('#5ab4e0');
 

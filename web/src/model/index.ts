@@ -14,6 +14,7 @@ export * from './profile';
 export * from './ray';
 export * from './section';
 export * from './solve';
+export * from './guides';
 export * from './splint';
 export * from './store';
 export * from './teeth';

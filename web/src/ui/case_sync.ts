@@ -22,7 +22,7 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
   predict: /^(skull|skin|remainder|segments\/.+)$/,
   compare: /^(skin_before|predicted|after_surgery|band|remainder|segments\/.+)$/,
   measures:
-    /^(skull|upper_arch|lower_arch|lower_in_occlusion|splint_final|splint_intermediate|nerve_right|nerve_left|airway)$/,
+    /^(skull|(upper|lower)_arch|lower_in_occlusion|splint_(final|intermediate)|nerve_(right|left)|airway|guides\/.+)$/,
 };
 
 export const STEP_KEY = 'lefort-step';

@@ -15,6 +15,7 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   occlusion: 'Finding the occlusion',
   splint: 'Making a splint',
   nerve: 'Tracing the canals',
+  guides: 'Making cutting guides',
   airway: 'Measuring the airway',
   cephalogram: 'Computing the cephalogram',
 };

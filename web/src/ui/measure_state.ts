@@ -1,11 +1,20 @@
 import type { Schemas } from '../api';
-import { defaultSplint, type NervePoints, type SplintSettings, type ToothCorrection, type Vec3 } from '../model';
+import {
+  defaultGuides,
+  defaultSplint,
+  type GuideSettings,
+  type NervePoints,
+  type SplintSettings,
+  type ToothCorrection,
+  type Vec3,
+} from '../model';
 
 export const MEASURES = [
   { name: 'teeth', title: 'Teeth' },
   { name: 'arches', title: 'Scans & occlusion' },
   { name: 'splint', title: 'Splint' },
   { name: 'nerve', title: 'Nerve' },
+  { name: 'guides', title: 'Cutting guides' },
   { name: 'airway', title: 'Airway' },
   { name: 'cephalogram', title: 'Cephalogram' },
 ] as const;
@@ -26,6 +35,10 @@ export interface MeasureState {
   /** Intraoral scans that were chosen and not registered yet. */
   archFiles: { upper: File | null; lower: File | null };
   arches: Schemas['Arches'] | null;
+  /** Where the next occlusion comes from. */
+  occlusionSource: 'search' | 'as_scanned' | 'bite';
+  /** Bite scans that were chosen. */
+  biteFiles: { bite: File | null; bite2: File | null };
   occlusion: Schemas['Occlusion'] | null;
   /** Show the lower arch in occlusion, with the gap to the upper one. */
   showOcclusion: boolean;
@@ -37,6 +50,8 @@ export interface MeasureState {
   nervePoint: string | null;
   /** The point that is dragged. */
   nerveDrag: { name: string; position_mm: Vec3 } | null;
+  guideSettings: GuideSettings;
+  guides: Schemas['Guides'] | null;
   airway: Schemas['Airway'] | null;
   cephalogram: Schemas['Cephalogram'] | null;
   norms: 'female' | 'male';
@@ -53,6 +68,8 @@ export const initialMeasures = (): MeasureState => ({
   toothFault: null,
   archFiles: { upper: null, lower: null },
   arches: null,
+  occlusionSource: 'search',
+  biteFiles: { bite: null, bite2: null },
   occlusion: null,
   showOcclusion: true,
   splintSettings: defaultSplint(),
@@ -61,6 +78,8 @@ export const initialMeasures = (): MeasureState => ({
   nervePoints: {},
   nervePoint: null,
   nerveDrag: null,
+  guideSettings: defaultGuides(),
+  guides: null,
   airway: null,
   cephalogram: null,
   norms: 'female',

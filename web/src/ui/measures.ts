@@ -1,5 +1,6 @@
 import {
   faultOfNumber,
+  guideParameters,
   toothRows,
   withNervePoint,
   withoutNervePoint,
@@ -37,6 +38,7 @@ export class Measures {
       this.splint('final'),
       this.splint('intermediate'),
       this.document('nerve', async () => ({ nerve: await client.nerve() }), { nerve: null }),
+      this.document('guides', async () => ({ guides: await client.guides() }), { guides: null }),
       this.document('airway', async () => ({ airway: await client.airway() }), { airway: null }, ['airway.svg']),
       this.document(
         'cephalogram',
@@ -169,6 +171,31 @@ export class Measures {
       request[jaw] = upload;
     }
     await planner.run(request, () => planner.patch({ archFiles: { upper: null, lower: null } }));
+  }
+
+  /** Finds the occlusion from what was chosen; bite scans are uploaded first. */
+  async findOcclusion(): Promise<void> {
+    const { planner } = this;
+    const { occlusionSource: source, biteFiles } = planner.model.s;
+    if (source !== 'bite') {
+      await planner.run({ kind: 'occlusion', source });
+      return;
+    }
+    const uploads: string[] = [];
+    for (const file of [biteFiles.bite, biteFiles.bite2]) {
+      if (!file) continue;
+      const upload = await planner.upload([file]);
+      if (upload === null) return;
+      uploads.push(upload);
+    }
+    const [bite, bite2] = uploads as [string?, string?];
+    if (bite === undefined) return;
+    await planner.run({ kind: 'occlusion', source, bite, ...(bite2 === undefined ? {} : { bite2 }) });
+  }
+
+  async makeGuides(segment: string | null): Promise<void> {
+    const { guideSettings } = this.planner.model.s;
+    await this.planner.run({ kind: 'guides', ...guideParameters({ ...guideSettings, segment }) });
   }
 
   async makeSplint(segment: string | null): Promise<void> {

@@ -1,10 +1,10 @@
-import { AIRWAY, IDENTITY, LOWER_TEETH, NERVE, SPLINT, TEETH, type Mat4, type Rgb } from '../model';
+import { AIRWAY, GUIDE, IDENTITY, LOWER_TEETH, NERVE, SPLINT, TEETH, type Mat4, type Rgb } from '../model';
 import type { Body, View3d } from '../scene';
 import type { App } from './app';
 import type { State } from './state';
 
 /** Colors of the surfaces of teeth and measures. */
-export const MEASURE_COLORS: Readonly<Record<string, Rgb>> = {
+const MEASURE_COLORS: Readonly<Record<string, Rgb>> = {
   upper_arch: TEETH,
   lower_arch: LOWER_TEETH,
   lower_in_occlusion: LOWER_TEETH,
@@ -14,6 +14,10 @@ export const MEASURE_COLORS: Readonly<Record<string, Rgb>> = {
   nerve_left: NERVE,
   airway: AIRWAY,
 };
+
+/** The color of a surface of teeth and measures; undefined for others. */
+export const measureColor = (name: string): Rgb | undefined =>
+  name.startsWith('guides/') ? GUIDE : MEASURE_COLORS[name];
 
 /** Gap at the end of the color map [mm]. */
 export const GAP_TOP_MM = 2;
@@ -49,6 +53,8 @@ export class MeasuresView {
         return ['upper_arch', this.lower(splint === 'final'), `splint_${splint}`];
       case 'nerve':
         return ['skull', 'nerve_right', 'nerve_left'];
+      case 'guides':
+        return ['skull', ...(s.guides?.guides ?? []).map(({ name }) => `guides/${name}`)];
       case 'airway':
         return ['skull', 'airway'];
     }
@@ -64,7 +70,7 @@ export class MeasuresView {
     if (s.step !== 'measures') return;
     const { view } = this;
     view.setLayout({ mode: 'single' });
-    view.setOpacity('skull', s.measure === 'teeth' || s.measure === 'cephalogram' ? 1 : 0.25);
+    view.setOpacity('skull', ['teeth', 'cephalogram', 'guides'].includes(s.measure) ? 1 : 0.25);
     for (const splint of ['splint_final', 'splint_intermediate']) view.setOpacity(splint, 0.55);
     const splint = s.measure === 'splint' ? s.splints[s.splintSettings.splint] : null;
     view.setPose('upper_arch', toMat4(splint?.upper_pose));

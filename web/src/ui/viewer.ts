@@ -18,7 +18,7 @@ import { BandView } from './band_view';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
 import { nerveOutlines } from './measure_marks';
-import { MEASURE_COLORS, MeasuresView } from './measures_view';
+import { measureColor, MeasuresView } from './measures_view';
 import type { SceneListeners } from './planner_context';
 import { ProfileDrag } from './profile_drag';
 import { nextFrame } from './schedule';
@@ -56,7 +56,7 @@ const DRAWN_KEYS: readonly (keyof State)[] = [
   ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
   ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
   ...(['showBones', 'wipe', 'compareView', 'uncertainty'] as const),
-  ...(['measure', 'teeth', 'toothCorrections', 'showOcclusion', 'splintSettings', 'splints'] as const),
+  ...(['measure', 'teeth', 'toothCorrections', 'showOcclusion', 'splintSettings', 'splints', 'guides'] as const),
   ...(['nerve', 'nervePoints', 'nervePoint', 'nerveDrag'] as const),
 ];
 
@@ -148,7 +148,7 @@ export class Viewer implements SceneListeners {
       ? segmentColor(Math.max(0, index))
       : /skin|predicted|after_surgery|band/.test(name)
         ? SKIN
-        : (MEASURE_COLORS[name] ?? BONE);
+        : (measureColor(name) ?? BONE);
     this.view.setBody(name, surface, color);
     this.surfaceCount++;
     this.previewKey = this.depthKey = '';

@@ -171,7 +171,7 @@ geometry::TriangleMesh all_cut_faces(const plan::CutSegments& cut, const io::Pla
 }
 
 Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
-  const StageCache cache(job.output / "cache");
+  const StageCache cache(job.cache.value_or(job.output / "cache"));
   LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
   io::note_warnings(text.plan.warnings, progress);
   LEFORT_TRY_VOID(wanted_segments(text.plan, job.segment));

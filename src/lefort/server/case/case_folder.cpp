@@ -101,6 +101,7 @@ const char* in_words(const std::string& input) {
   if (input == "labels")
     return "the labels changed after the surfaces were made: make the surfaces again";
   if (input == "tissues") return "the labels changed after this was computed";
+  if (input == "plan") return "the plan changed after this was computed";
   if (input == "landmarks") return "the landmarks changed after this was computed";
   if (input == "numbers") return "numbers of teeth were corrected after this was computed";
   if (input == "points") return "points on the canals were corrected after this was computed";

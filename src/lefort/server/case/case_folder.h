@@ -64,6 +64,8 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path nerve_points() const {
     return root_ / "nerve_points.mrk.json";
   }
+  /// Cutting guides.
+  [[nodiscard]] std::filesystem::path guides() const { return root_ / "guides"; }
   [[nodiscard]] std::filesystem::path airway() const { return root_ / "airway"; }
   [[nodiscard]] std::filesystem::path cephalogram() const { return root_ / "cephalogram"; }
   /// Cached labels, fields and tissue meshes of all stages.
@@ -167,7 +169,7 @@ inline constexpr const char* kStages[] = {
     "boundary",   "cut",        "check",        "preview",
     "prediction", "comparison", "uncertainty",  "teeth",
     "arches",     "occlusion",  "splint_final", "splint_intermediate",
-    "nerve",      "airway",     "cephalogram"};
+    "nerve",      "guides",     "airway",       "cephalogram"};
 
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);

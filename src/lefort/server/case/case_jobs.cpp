@@ -1,5 +1,4 @@
 #include <lefort/io/plan_file.h>
-#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/compare.h>
@@ -33,13 +32,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
-
-Result<void> check_plan(const CaseFolder& folder) {
-  LEFORT_TRY_VOID(check_scan(folder));
-  const auto text = io::read_text(folder.plan(), 64 << 20);
-  if (!text) return fail(ErrorCode::kFileNotFound, "the case has no plan");
-  return check_files_of_plan(*text);
-}
 
 Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, Progress& progress) {
   CaseFolder& folder = context.folder;
@@ -107,16 +99,6 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   if (const auto inputs = folder.inputs_of("anatomy"))
     LEFORT_TRY_VOID(folder.record_inputs("anatomy", *inputs));
   return reported(summary);
-}
-
-void note_other_scans(const CaseFolder& folder, Progress& progress) {
-  for (const char* input : {"landmarks", "plan", "boundary"})
-    if (folder.stage(input)["state"] == "stale")
-      progress.note(fmt::format("warning: the {} of this case were made on another scan",
-                                std::string_view(input) == "boundary"
-                                    ? "painted boundary conditions"
-                                : std::string_view(input) == "plan" ? "movements of the plan"
-                                                                    : "landmarks"));
 }
 
 /// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
@@ -306,6 +288,7 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"occlusion", "occlusion", occlusion_job},
                            {"splint", nullptr, splint_job},
                            {"nerve", "nerve", nerve_job},
+                           {"guides", "guides", guides_job},
                            {"airway", "airway", airway_job},
                            {"cephalogram", "cephalogram", cephalogram_job}};
 

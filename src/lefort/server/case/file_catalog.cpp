@@ -2,7 +2,10 @@
 #include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/measure_stages.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
 
 namespace lefort::server {
 namespace {
@@ -82,6 +85,11 @@ const NamedFile kFiles[] = {
     {"airway.csv", "airway", LEFORT_IN(airway, "airway.csv")},
     {"airway.svg", "airway", LEFORT_IN(airway, "airway.svg")},
     {"airway.vtp", "airway", LEFORT_IN(airway, "airway.vtp")},
+    {"airway_after.csv", "airway", LEFORT_IN(airway, "airway_after.csv")},
+    {"airway_after.svg", "airway", LEFORT_IN(airway, "airway_after.svg")},
+    {"guides.json", "guides", LEFORT_IN(guides, "guides.json")},
+    {"holes_before.mrk.json", "guides", LEFORT_IN(guides, "holes_before.mrk.json")},
+    {"holes_after.mrk.json", "guides", LEFORT_IN(guides, "holes_after.mrk.json")},
     {"cephalogram.json", "cephalogram", LEFORT_IN(cephalogram, "cephalogram.json")},
     {"cephalometry.pdf", "cephalogram", LEFORT_IN(cephalogram, "cephalometry.pdf")},
     {"lateral.png", "cephalogram", LEFORT_IN(cephalogram, "lateral.png")},
@@ -139,6 +147,32 @@ std::optional<fs::path> segment_result(const CaseFolder& folder, std::string_vie
             name.substr(beginning.size(), name.size() - beginning.size() - kEnding.size())))
       return folder.prediction() / name;
   return std::nullopt;
+}
+
+bool is_guide_name(std::string_view name) {
+  constexpr std::size_t kMostDigits = 3;
+  // The number of a second guide of a side, after the last underscore.
+  if (const std::size_t at = name.find_last_not_of("0123456789"); at != std::string_view::npos) {
+    const std::string_view digits = name.substr(at + 1);
+    if (!digits.empty()) {
+      if (name[at] != '_' || digits.front() == '0' || digits.size() > kMostDigits) return false;
+      name = name.substr(0, at);
+    }
+  }
+  for (const std::string_view side : {"_right", "_left", "_middle"})
+    if (name.ends_with(side)) return is_segment_name(name.substr(0, name.size() - side.size()));
+  return false;
+}
+
+std::optional<fs::path> guide_result(const CaseFolder& folder, std::string_view name) {
+  constexpr std::string_view kBeginning = "guide_", kEnding = ".stl";
+  if (!name.starts_with(kBeginning) || !name.ends_with(kEnding) ||
+      name.size() < kBeginning.size() + kEnding.size())
+    return std::nullopt;
+  name.remove_prefix(kBeginning.size());
+  name.remove_suffix(kEnding.size());
+  if (!is_guide_name(name)) return std::nullopt;
+  return folder.guides() / fmt::format("guide_{}.stl", name);
 }
 
 const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name) {

@@ -1,6 +1,7 @@
 /// \file
 /// The files and surfaces of a case that a page can request by name. Of the text from a client,
-/// only a valid segment name (is_segment_name()) becomes part of a path.
+/// only a valid segment name (is_segment_name()) or guide name (is_guide_name()) becomes part of a
+/// path.
 #pragma once
 
 #include <lefort/server/case/case_folder.h>
@@ -45,6 +46,15 @@ inline constexpr std::string_view kOcclusionSurface = "lower_in_occlusion";
 /// not; nothing if `name` is not the name of such a file.
 [[nodiscard]] std::optional<std::filesystem::path> segment_result(const CaseFolder& folder,
                                                                   std::string_view name);
+
+/// Whether `name` may be that of a cutting guide: that of a segment, `_right`, `_left` or `_middle`,
+/// and from the second guide of a side on its number, as in `chin_left_2`.
+[[nodiscard]] bool is_guide_name(std::string_view name);
+
+/// Path of the surface of a cutting guide, `guide_NAME.stl`, whether it exists or not; nothing if
+/// `name` is not the name of such a file.
+[[nodiscard]] std::optional<std::filesystem::path> guide_result(const CaseFolder& folder,
+                                                                std::string_view name);
 
 /// The entry called `name`, or null.
 [[nodiscard]] const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name);

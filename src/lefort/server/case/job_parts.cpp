@@ -1,4 +1,9 @@
+#include <lefort/io/read_text.h>
 #include <lefort/server/case/job_parts.h>
+
+#include <fmt/format.h>
+
+#include <string_view>
 
 namespace lefort::server {
 
@@ -11,6 +16,23 @@ JobOutcome reported(const pipeline::Summary& summary) {
 Result<void> check_scan(const CaseFolder& folder) {
   if (there_is(folder.ct())) return {};
   return fail(ErrorCode::kFileNotFound, "the case has no scan: import one first");
+}
+
+Result<void> check_plan(const CaseFolder& folder) {
+  LEFORT_TRY_VOID(check_scan(folder));
+  const auto text = io::read_text(folder.plan(), 64 << 20);
+  if (!text) return fail(ErrorCode::kFileNotFound, "the case has no plan");
+  return check_files_of_plan(*text);
+}
+
+void note_other_scans(const CaseFolder& folder, Progress& progress) {
+  for (const char* input : {"landmarks", "plan", "boundary"})
+    if (folder.stage(input)["state"] == "stale")
+      progress.note(fmt::format("warning: the {} of this case were made on another scan",
+                                std::string_view(input) == "boundary"
+                                    ? "painted boundary conditions"
+                                : std::string_view(input) == "plan" ? "movements of the plan"
+                                                                    : "landmarks"));
 }
 
 bool is_surface(const std::filesystem::path& upload) {

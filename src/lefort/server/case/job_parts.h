@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/pipeline/summary.h>
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/jobs.h>
@@ -17,6 +18,13 @@ namespace lefort::server {
 
 /// \returns nothing, or kFileNotFound if the case has no scan.
 [[nodiscard]] Result<void> check_scan(const CaseFolder& folder);
+
+/// \returns nothing, or kFileNotFound if the case has no scan or plan, or the errors of
+///   check_files_of_plan().
+[[nodiscard]] Result<void> check_plan(const CaseFolder& folder);
+
+/// Notes which of landmarks, plan and painted boundary conditions were made on another scan.
+void note_other_scans(const CaseFolder& folder, Progress& progress);
 
 /// Whether an upload is a surface; otherwise it is a scan.
 [[nodiscard]] bool is_surface(const std::filesystem::path& upload);

@@ -4,6 +4,7 @@
 #include <lefort/pipeline/airway.h>
 #include <lefort/pipeline/cephalogram.h>
 #include <lefort/pipeline/dental.h>
+#include <lefort/pipeline/guide.h>
 #include <lefort/pipeline/nerve.h>
 #include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/job_parts.h>
@@ -45,6 +46,16 @@ std::string without_options(std::string text) {
   return text;
 }
 
+/// A summary with the words of the page in place of options of the command line.
+std::string in_words_of_page(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> kOptions[] = {
+      {"--hole-distance", "their distance from the cut"}};
+  for (const auto& [option, words] : kOptions)
+    for (std::size_t at = text.find(option); at != std::string::npos; at = text.find(option, at))
+      text.replace(at, option.size(), words);
+  return without_options(std::move(text));
+}
+
 /// `text` with `other` in place of `part`, where it is found first.
 std::string with_other(std::string text, const std::string& part, const std::string& other) {
   if (const std::size_t at = text.find(part); at != std::string::npos)
@@ -71,7 +82,7 @@ Result<JobOutcome> as_measure(CaseFolder& folder, std::string_view stage, const 
   if (before) {
     LEFORT_TRY_VOID(folder.record_inputs(stage, inputs_read(*before, folder.inputs_of(stage))));
   }
-  return JobOutcome{without_options(summary->text)};
+  return JobOutcome{in_words_of_page(summary->text)};
 }
 
 Result<void> check_fresh(const CaseFolder& folder, const char* stage, const char* reason) {
@@ -93,11 +104,12 @@ Result<void> check_arches(const CaseFolder& folder) {
 
 /// An intraoral scan: one that was uploaded, or that of an earlier job.
 struct ArchScan {
-  const char* jaw;
+  const char* parameter;  ///< Of the job, that names the upload.
+  std::string words;      ///< For messages.
   std::string upload;
   std::optional<Uploads::Source> source;
   geometry::TriangleMesh surface;  ///< Of `source`.
-  fs::path stored;
+  fs::path stored;                 ///< Empty: it is not stored.
 
   [[nodiscard]] std::optional<fs::path> file() const {
     if (source) return source->path();
@@ -106,35 +118,42 @@ struct ArchScan {
   }
 };
 
-Result<ArchScan> find_arch_scan(const JobContext& context, const JobRecord& job, const char* jaw) {
-  ArchScan scan{jaw,
-                job.parameters.value(jaw, ""),
-                std::nullopt,
-                {},
-                context.folder.scans() / fmt::format("{}.stl", jaw)};
+/// The upload that a parameter names, if there is one.
+Result<ArchScan> uploaded_scan(const JobContext& context, const JobRecord& job,
+                               const char* parameter, std::string words) {
+  ArchScan scan{parameter, std::move(words), job.parameters.value(parameter, ""), std::nullopt, {},
+                {}};
   if (scan.upload.empty()) return scan;
   scan.source = context.uploads.source(scan.upload);
   if (!scan.source)
     return fail(ErrorCode::kFileNotFound,
-                fmt::format("{} jaw: no such upload, or the upload is empty", jaw));
+                fmt::format("{}: no such upload, or the upload is empty", scan.words));
   if (!is_surface(scan.source->path()))
-    return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} jaw: an intraoral scan is one file .stl, .ply, .obj or .vtp", jaw));
+    return fail(
+        ErrorCode::kFileUnsupported,
+        fmt::format("{}: an intraoral scan is one file .stl, .ply, .obj or .vtp", scan.words));
   auto surface = io::read_surface(scan.source->path());
   if (!surface)
     return fail(surface.error().code,
-                fmt::format("{} jaw: {}", jaw,
+                fmt::format("{}: {}", scan.words,
                             with_other(surface.error().message,
                                        scan.source->path().filename().string(), "the file")));
   scan.surface = *std::move(surface);
   return scan;
 }
 
-/// A message with jaws in place of the files of their scans.
-std::string naming_jaws(std::string message, std::initializer_list<const ArchScan*> scans) {
+/// The scan of a jaw: that of the job, or of an earlier one.
+Result<ArchScan> find_arch_scan(const JobContext& context, const JobRecord& job, const char* jaw) {
+  LEFORT_TRY(ArchScan scan, uploaded_scan(context, job, jaw, fmt::format("{} jaw", jaw)));
+  scan.stored = context.folder.scans() / fmt::format("{}.stl", jaw);
+  return scan;
+}
+
+/// A message with words in place of the files of scans.
+std::string naming_scans(std::string message, std::initializer_list<const ArchScan*> scans) {
   for (const ArchScan* scan : scans)
     if (const auto file = scan->file())
-      message = with_other(std::move(message), file->string(), fmt::format("{} jaw", scan->jaw));
+      message = with_other(std::move(message), file->string(), scan->words);
   return message;
 }
 
@@ -144,7 +163,7 @@ Result<void> store_scan(const JobContext& context, const ArchScan& scan) {
   if (!scan.file())
     for (const char* ending : {".stl", ".tfm", "_crowns.vtp"}) {
       std::error_code error;
-      fs::remove(context.folder.arches() / fmt::format("{}{}", scan.jaw, ending), error);
+      fs::remove(context.folder.arches() / fmt::format("{}{}", scan.parameter, ending), error);
     }
   if (!scan.source) return {};
   std::error_code error;
@@ -179,6 +198,24 @@ void set_lengths(const JobRecord& job, pipeline::SplintJob& splint) {
                                        {"cover_mm", &splint.options.cover_mm},
                                        {"wall_mm", &splint.options.wall_mm},
                                        {"voxel_mm", &splint.options.voxel_mm}})
+    *value_mm = job.parameters.value(name, *value_mm);
+}
+
+/// The canals of the case unless they are out of date, which is noted.
+std::optional<fs::path> nerve_of_guides(const CaseFolder& folder, Progress& progress) {
+  const std::string state = folder.stage("nerve")["state"];
+  if (state == "stale")
+    progress.note(
+        "warning: the canals of the nerves are out of date; holes are not compared with them");
+  if (state != "fresh") return std::nullopt;
+  return folder.nerve() / "nerve.json";
+}
+
+void set_guide_lengths(const JobRecord& job, pipeline::GuideJob& guides) {
+  for (const auto& [name, value_mm] : {std::pair{"thickness_mm", &guides.guide.thickness_mm},
+                                       {"width_mm", &guides.guide.width_mm},
+                                       {"hole_diameter_mm", &guides.holes.diameter_mm},
+                                       {"hole_distance_mm", &guides.holes.from_cut_mm}})
     *value_mm = job.parameters.value(name, *value_mm);
 }
 
@@ -259,7 +296,7 @@ Result<JobOutcome> arches_job(const JobContext& context, const JobRecord& job, P
     arches.output = folder.arches();
     auto summary = pipeline::register_arches(arches, progress);
     if (!summary)
-      return fail(summary.error().code, naming_jaws(summary.error().message, {&upper, &lower}));
+      return fail(summary.error().code, naming_scans(summary.error().message, {&upper, &lower}));
     for (const ArchScan* scan : {&upper, &lower}) {
       LEFORT_TRY_VOID(store_scan(context, *scan));
     }
@@ -267,16 +304,27 @@ Result<JobOutcome> arches_job(const JobContext& context, const JobRecord& job, P
   });
 }
 
-Result<JobOutcome> occlusion_job(const JobContext& context, const JobRecord&, Progress& progress) {
+Result<JobOutcome> occlusion_job(const JobContext& context, const JobRecord& job,
+                                 Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_measure(folder, "occlusion", [&]() -> Result<pipeline::Summary> {
     LEFORT_TRY_VOID(check_arches(folder));
+    LEFORT_TRY(const ArchScan first, uploaded_scan(context, job, "bite", "bite scan"));
+    LEFORT_TRY(const ArchScan second, uploaded_scan(context, job, "bite2", "second bite scan"));
     pipeline::OcclusionJob occlusion;
     occlusion.upper = folder.arches() / "upper.stl";
     occlusion.lower = folder.arches() / "lower.stl";
     occlusion.arches = folder.arches() / "arches.json";
     occlusion.output = folder.occlusion();
-    return pipeline::find_arch_occlusion(occlusion, progress);
+    occlusion.is_as_scanned = job.parameters.value("source", "search") == "as_scanned";
+    for (const ArchScan* bite : {&first, &second})
+      if (bite->source) occlusion.bites.push_back(bite->source->path());
+    auto summary = pipeline::find_arch_occlusion(occlusion, progress);
+    if (!summary)
+      return fail(summary.error().code, naming_scans(summary.error().message, {&first, &second}));
+    for (const ArchScan* bite : {&first, &second})
+      if (bite->source) static_cast<void>(context.uploads.remove(bite->upload));
+    return summary;
   });
 }
 
@@ -317,6 +365,25 @@ Result<JobOutcome> nerve_job(const JobContext& context, const JobRecord&, Progre
   });
 }
 
+Result<JobOutcome> guides_job(const JobContext& context, const JobRecord& job, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_measure(folder, "guides", [&]() -> Result<pipeline::Summary> {
+    LEFORT_TRY_VOID(check_plan(folder));
+    note_other_scans(folder, progress);
+    pipeline::GuideJob guides;
+    guides.plan = folder.plan();
+    guides.ct = folder.ct();
+    guides.nerve = nerve_of_guides(folder, progress);
+    guides.tooth_corrections = tooth_corrections(folder);
+    guides.segment = job.parameters.value("segment", "");
+    guides.from = job.parameters.value("from", "");
+    set_guide_lengths(job, guides);
+    guides.cache = folder.cache();
+    guides.output = folder.guides();
+    return pipeline::make_guides(guides, progress);
+  });
+}
+
 Result<JobOutcome> airway_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_measure(folder, "airway", [&] {
@@ -326,7 +393,13 @@ Result<JobOutcome> airway_job(const JobContext& context, const JobRecord&, Progr
     airway.landmarks = landmarks_of(folder, progress);
     airway.output = folder.airway();
     if (folder.stage("prediction")["state"] == "fresh") airway.prediction = folder.prediction();
-    return pipeline::measure_airway_of_scan(airway, progress);
+    auto summary = pipeline::measure_airway_of_scan(airway, progress);
+    if (summary && !airway.prediction)
+      for (const char* name : {"airway_after.vtp", "airway_after.csv", "airway_after.svg"}) {
+        std::error_code error;
+        fs::remove(folder.airway() / name, error);
+      }
+    return summary;
   });
 }
 

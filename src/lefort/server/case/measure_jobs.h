@@ -1,6 +1,6 @@
 /// \file
-/// Jobs of teeth and measures: numbered teeth, intraoral scans, occlusion, splints, canals, airway,
-/// cephalogram. measure_routes() serves the document of each result, so that jobs return none.
+/// Jobs of teeth and measures: numbered teeth, intraoral scans, occlusion, splints, canals,
+/// cutting guides, airway, cephalogram. measure_routes() serves the document of each result, so that jobs return none.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -20,6 +20,7 @@ namespace lefort::server {
 [[nodiscard]] Result<JobOutcome> occlusion_job(const JobContext&, const JobRecord&, Progress&);
 [[nodiscard]] Result<JobOutcome> splint_job(const JobContext&, const JobRecord&, Progress&);
 [[nodiscard]] Result<JobOutcome> nerve_job(const JobContext&, const JobRecord&, Progress&);
+[[nodiscard]] Result<JobOutcome> guides_job(const JobContext&, const JobRecord&, Progress&);
 [[nodiscard]] Result<JobOutcome> airway_job(const JobContext&, const JobRecord&, Progress&);
 [[nodiscard]] Result<JobOutcome> cephalogram_job(const JobContext&, const JobRecord&, Progress&);
 

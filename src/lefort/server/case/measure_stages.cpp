@@ -1,4 +1,6 @@
 #include <lefort/core/check.h>
+#include <lefort/io/plan_inputs.h>
+#include <lefort/io/read_text.h>
 #include <lefort/io/sha256.h>
 #include <lefort/server/case/measure_stages.h>
 
@@ -24,6 +26,7 @@ constexpr Measure kMeasures[] = {
     {"splint_final", "splint_final", "splint.json"},
     {"splint_intermediate", "splint_intermediate", "splint.json"},
     {"nerve", "nerve", "nerve.json"},
+    {"guides", "guides", "guides.json"},
     {"airway", "airway", "airway.json"},
     {"cephalogram", "cephalogram", "cephalogram.json"},
 };
@@ -53,6 +56,18 @@ std::optional<std::string> print_of_arches(const CaseFolder& folder) {
   }
   const std::string document = print_if_fresh(folder, "arches", folder.arches() / "arches.json");
   return document.empty() ? document : sum.add(document).hex();
+}
+
+/// The plan, and those of its files that decide how bones are cut; nothing without a valid plan.
+std::optional<CaseFolder::Inputs> inputs_of_cuts(const CaseFolder& folder) {
+  const auto text = io::read_text(folder.plan(), kMaxDocument);
+  if (!text || !check_files_of_plan(*text)) return std::nullopt;
+  CaseFolder::Inputs inputs{{"plan", io::Sha256().add(*text).hex()}};
+  for (const std::string& name : io::files_of_plan(*text))
+    if (name != kBoundaryFile)
+      inputs[name == folder.landmarks().filename() ? "landmarks" : "tissues"] =
+          print_of(folder, folder.root() / name);
+  return inputs;
 }
 
 /// The file, if it is there and was made on the present scan.
@@ -90,6 +105,13 @@ std::optional<CaseFolder::Inputs> inputs_of_measure(const CaseFolder& folder,
     if (stage == "splint_intermediate")
       inputs["check"] = print_if_fresh(folder, "check", folder.check() / "check.json");
     return inputs;
+  }
+  if (stage == "guides") {
+    auto cuts = inputs_of_cuts(folder);
+    if (!cuts) return std::nullopt;
+    cuts->emplace("nerve", print_if_fresh(folder, "nerve", folder.nerve() / "nerve.json"));
+    cuts->emplace("numbers", print_of(folder, tooth_corrections(folder)));
+    return cuts;
   }
   inputs["tissues"] = print_of(folder, labels_of_scan(folder));
   if (stage == "arches") return inputs;

@@ -1,10 +1,10 @@
 import { html, nothing } from 'lit-html';
 import type { Schemas } from '../../api';
-import { fixed, mm } from '../../model';
+import { fixed, mm, percent } from '../../model';
 import type { App } from '../app';
 import { stageOf, type State } from '../state';
 import { hint, notice, section, type Html } from '../widgets';
-import { downloads, figures, jobControl, jobWarnings, staleNotice } from './measure_parts';
+import { cells, downloads, figures, jobControl, jobWarnings, staleNotice } from './measure_parts';
 
 /** Distance of the airway from a limit above which it is reported [mm]. */
 const NOTICE_MM = 3;
@@ -28,6 +28,12 @@ export function airwaySection(app: App, s: State): Html {
       ['airway.csv', 'Table of the sections'],
       ['airway.svg', 'Plot of the sections'],
       ['airway.vtp', 'Surface'],
+      ...(s.airway?.after
+        ? ([
+            ['airway_after.csv', 'Table of the sections after the movement'],
+            ['airway_after.svg', 'Plot of the sections after the movement'],
+          ] as const)
+        : []),
     ]),
   );
 }
@@ -52,8 +58,41 @@ const airwayResult = (found: Schemas['Airway']): Html =>
       ['Smallest axial section', area(found.min_axial_section)],
       ['Center line', mm(found.length_mm, 0)],
     ])}
-    ${airwayNotices(found)}
+    ${found.after ? afterTable(found, found.after) : nothing} ${airwayNotices(found)}
     ${hint('Breathing, swallowing and the position of the tongue change the airway within seconds.')}`;
+
+const afterTable = (before: Schemas['Airway'], after: NonNullable<Schemas['Airway']['after']>): Html =>
+  html`<table data-id="airway-after">
+      <thead>
+        <tr>
+          <th></th>
+          <th>Before</th>
+          <th>After</th>
+          <th>Change</th>
+        </tr>
+      </thead>
+      <tbody>
+        ${beforeAfter('Volume, ml', before.volume_ml, after.volume_ml, 1)}
+        ${beforeAfter('Smallest section, mm²', before.min_section.area_mm2, after.min_section.area_mm2, 0)}
+        ${beforeAfter(
+          'Smallest axial section, mm²',
+          before.min_axial_section.area_mm2,
+          after.min_axial_section.area_mm2,
+          0,
+        )}
+        ${beforeAfter('Closed along, mm', before.closed_mm, after.closed_mm, 0)}
+      </tbody>
+    </table>
+    ${hint(
+      `After: with the movement of the prediction. ${percent(after.wall_in_tissue_mesh)} of the wall of the airway ` +
+        'lies in the tissue mesh; elsewhere the wall follows the points around it, or stays.',
+    )}`;
+
+const beforeAfter = (title: string, before: number, after: number, digits: number): Html =>
+  html`<tr>
+    <td>${title}</td>
+    ${cells([before, after, after - before], digits)}
+  </tr>`;
 
 function airwayNotices(found: Schemas['Airway']): Html {
   const texts = [

@@ -17,7 +17,7 @@ const SEXTANTS = [
 ] as const;
 
 /** Kinds of files of intraoral scans. */
-const SURFACE_FILES = '.stl,.ply,.obj,.vtp';
+export const SURFACE_FILES = '.stl,.ply,.obj,.vtp';
 
 /** Intraoral scans, registered with the crowns in the CT. */
 export function archesSection(app: App, s: State): Html {

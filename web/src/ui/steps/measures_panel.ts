@@ -6,6 +6,7 @@ import { button, chip, empty, hint, type Html } from '../widgets';
 import { airwaySection } from './airway_section';
 import { archesSection } from './arches_section';
 import { cephalogramSection } from './cephalogram_section';
+import { guidesSection } from './guides_section';
 import type { StageName } from './measure_parts';
 import { nerveSection } from './nerve_section';
 import { occlusionSection } from './occlusion_section';
@@ -17,6 +18,7 @@ const SECTIONS: Record<MeasureName, (app: App, s: State) => Html> = {
   arches: (app, s) => html`${archesSection(app, s)} ${occlusionSection(app, s)}`,
   splint: splintSection,
   nerve: nerveSection,
+  guides: guidesSection,
   airway: airwaySection,
   cephalogram: cephalogramSection,
 };
@@ -28,7 +30,7 @@ function stageOfMeasure(s: State, measure: MeasureName): StageName {
   return measure === 'arches' && stageOf(s, 'occlusion').state !== 'missing' ? 'occlusion' : measure;
 }
 
-/** Teeth, occlusion, splints, canals of nerves, airway and cephalogram. */
+/** Teeth, occlusion, splints, canals of nerves, cutting guides, airway and cephalogram. */
 export function measuresPanel(app: App, s: State): Html {
   if (!s.volume)
     return html`<h2>Teeth & measures</h2>

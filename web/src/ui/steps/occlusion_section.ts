@@ -2,28 +2,46 @@ import { html, nothing } from 'lit-html';
 import type { Schemas } from '../../api';
 import { fixed, mm } from '../../model';
 import type { App } from '../app';
+import { chooseFile } from '../choose_files';
 import { GAP_TOP_MM } from '../measures_view';
-import { stageOf, type State } from '../state';
-import { hint, section, toggle, type Html } from '../widgets';
+import { lastJob, stageOf, type State } from '../state';
+import { button, hint, progressBar, section, segmented, toggle, type Html } from '../widgets';
+import { SURFACE_FILES } from './arches_section';
 import { downloads, figures, jobControl, jobWarnings, staleNotice } from './measure_parts';
 import { legend } from './region_table';
 
-/** The maximum intercuspation of both arches. */
+const SOURCES = [
+  { value: 'search', text: 'Intercuspation', title: 'Search the maximum intercuspation' },
+  { value: 'as_scanned', text: 'As scanned', title: 'The scanner has exported both arches in occlusion' },
+  { value: 'bite', text: 'Bite scan', title: 'Scans of the teeth in occlusion, from the cheek' },
+] as const;
+
+const SOURCE_HINTS = {
+  search: 'Moves the lower arch to maximum intercuspation.',
+  as_scanned: 'Takes the position of both arches in the files of the intraoral scans.',
+  bite: 'Takes the position of both arches in one or two scans of the closed teeth, in mm.',
+} as const;
+
+/** The occlusion of both arches. */
 export function occlusionSection(app: App, s: State): Html {
   return section(
     'Occlusion',
     staleNotice(s, 'occlusion'),
-    s.occlusion
-      ? html`${occlusionFigures(s.occlusion)} ${display(app, s)}`
-      : hint('Moves the lower arch to maximum intercuspation.'),
+    s.occlusion ? html`${occlusionFigures(s.occlusion)} ${display(app, s)}` : nothing,
+    segmented('Where the occlusion comes from', SOURCES, s.occlusionSource, (occlusionSource) =>
+      app.patch({ occlusionSource }),
+    ),
+    hint(SOURCE_HINTS[s.occlusionSource]),
+    s.occlusionSource === 'bite' ? biteFiles(app, s) : nothing,
     jobControl(app, s, {
       kind: 'occlusion',
       start: s.occlusion ? 'Find the occlusion again' : 'Find the occlusion',
-      run: () => void app.run({ kind: 'occlusion' }),
+      run: () => void app.measures.findOcclusion(),
       isFresh: stageOf(s, 'occlusion').state === 'fresh',
-      needs: bothArches(s) ? null : 'Both jaws must be registered first.',
+      needs: lackingForOcclusion(s),
     }),
     jobWarnings(s, 'occlusion'),
+    summaryOf(s),
     downloads(app, s, 'occlusion', [
       ['lower_in_occlusion.stl', 'Lower arch in occlusion'],
       ['lower_to_occlusion.tfm', 'Its motion, for the path of a plan'],
@@ -32,12 +50,50 @@ export function occlusionSection(app: App, s: State): Html {
   );
 }
 
+/** What must be done before; null if nothing. */
+function lackingForOcclusion(s: State): string | null {
+  if (!bothArches(s)) return 'Both jaws must be registered first.';
+  const { bite, bite2 } = s.biteFiles;
+  return s.occlusionSource === 'bite' && !bite && !bite2 ? 'Choose a bite scan.' : null;
+}
+
+const biteFiles = (app: App, s: State): Html =>
+  s.upload
+    ? progressBar(s.upload.fraction, 'Upload')
+    : html`${(['bite', 'bite2'] as const).map(
+        (key) =>
+          html`<div class="row">
+            <span class="grow"
+              >${key === 'bite' ? 'Bite scan' : 'Second bite scan'}
+              <span class="hint"
+                >${s.biteFiles[key] ? 'chosen' : key === 'bite' ? 'none' : 'none, optional'}</span
+              ></span
+            >
+            ${button(
+              'Choose',
+              () =>
+                chooseFile(SURFACE_FILES, (file) =>
+                  app.patch({ biteFiles: { ...app.model.s.biteFiles, [key]: file } }),
+                ),
+              { icon: 'folder', id: `choose-${key}` },
+            )}
+          </div>`,
+      )}`;
+
+/** The summary of the last job, as of the command line. */
+function summaryOf(s: State): Html {
+  const job = lastJob(s, 'occlusion');
+  if (job?.state !== 'done' || !job.message || stageOf(s, 'occlusion').state !== 'fresh') return nothing;
+  return html`<p class="hint" data-id="occlusion-summary">${job.message}</p>`;
+}
+
 /** Both jaws are registered and not out of date. */
 export const bothArches = (s: State): boolean =>
   stageOf(s, 'arches').state === 'fresh' && s.arches?.upper !== undefined && s.arches.lower !== undefined;
 
-const occlusionFigures = ({ contacts, movement, overjet_mm, overbite_mm }: Schemas['Occlusion']): Html =>
-  html`${figures('occlusion-table', [
+const occlusionFigures = ({ source, contacts, movement, overjet_mm, overbite_mm }: Schemas['Occlusion']): Html =>
+  html`${source === undefined ? nothing : hint(`Occlusion: ${source}.`)}
+  ${figures('occlusion-table', [
     ['Contact, right', `${fixed(contacts.right_mm2, 1)} mm²`],
     ['Contact, left', `${fixed(contacts.left_mm2, 1)} mm²`],
     ['Contacts', String(contacts.patches)],

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -18,6 +19,23 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+/// Adds the files of a folder that have the names of `result`, in their order.
+void add_results(json& list, const ServedCase& served, const fs::path& folder, const char* stage,
+                 std::optional<fs::path> (*result)(const CaseFolder&, std::string_view)) {
+  std::error_code error;
+  std::vector<std::pair<std::string, std::uintmax_t>> found;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code unreadable;
+    const std::string name = entry->path().filename().string();
+    const auto bytes = entry->file_size(unreadable);
+    if (!unreadable && result(served.folder, name)) found.emplace_back(name, bytes);
+  }
+  std::sort(found.begin(), found.end());
+  for (const auto& [name, bytes] : found)
+    list.push_back({{"name", name}, {"bytes", bytes}, {"stage", stage}});
+}
+
 Response get_files(ServedCase& served, const Request&, const PathValues&) {
   json list = json::array();
   for (const NamedFile& file : file_catalog()) {
@@ -26,25 +44,16 @@ Response get_files(ServedCase& served, const Request&, const PathValues&) {
     if (error) continue;
     list.push_back({{"name", file.name}, {"bytes", bytes}, {"stage", file.stage}});
   }
-  std::error_code error;
-  std::vector<std::pair<std::string, std::uintmax_t>> of_segments;
-  for (fs::directory_iterator entry(served.folder.prediction(), error), end; !error && entry != end;
-       entry.increment(error)) {
-    std::error_code unreadable;
-    const std::string name = entry->path().filename().string();
-    const auto bytes = entry->file_size(unreadable);
-    if (!unreadable && segment_result(served.folder, name)) of_segments.emplace_back(name, bytes);
-  }
-  std::sort(of_segments.begin(), of_segments.end());
-  for (const auto& [name, bytes] : of_segments)
-    list.push_back({{"name", name}, {"bytes", bytes}, {"stage", "prediction"}});
+  add_results(list, served, served.folder.prediction(), "prediction", segment_result);
+  add_results(list, served, served.folder.guides(), "guides", guide_result);
   return json_response({{"files", list}});
 }
 
 Response get_file(ServedCase& served, const Request&, const PathValues& values) {
   const NamedFile* const file = find_named(file_catalog(), values[0]);
-  const std::optional<fs::path> path =
+  std::optional<fs::path> path =
       file != nullptr ? file->path(served.folder) : segment_result(served.folder, values[0]);
+  if (!path) path = guide_result(served.folder, values[0]);
   if (!path) return not_found("no file of that name");
   if (!there_is(*path)) return not_found("this file does not exist yet");
   Response reply;

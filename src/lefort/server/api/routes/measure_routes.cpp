@@ -91,11 +91,11 @@ Response get_arches(ServedCase& served, const Request& request, const PathValues
 }
 
 Response get_occlusion(ServedCase& served, const Request& request, const PathValues&) {
-  return document_reply(
-      served, request,
-      {"occlusion", "Occlusion", [](const ServedCase&, const json& document) {
-         return only(document, {"notice", "movement", "contacts", "overjet_mm", "overbite_mm"});
-       }});
+  return document_reply(served, request,
+                        {"occlusion", "Occlusion", [](const ServedCase&, const json& document) {
+                           return only(document, {"notice", "source", "bites", "movement",
+                                                  "contacts", "overjet_mm", "overbite_mm"});
+                         }});
 }
 
 json shown_splint(const ServedCase&, const json& document) {
@@ -136,6 +136,33 @@ Response get_nerve(ServedCase& served, const Request& request, const PathValues&
        }});
 }
 
+json shown_guides(const ServedCase&, const json& document) {
+  json shown = only(
+      document, {"notice", "hole_diameter_mm", "min_distance_mm", "is_nerve_considered", "guides"});
+  if (!shown.contains("guides") || !shown["guides"].is_array()) return shown;
+  for (json& guide : shown["guides"]) {
+    guide = only(guide, {"name", "segment", "put_on_from", "volume_ml", "parts", "slot_mm",
+                         "slot_width_mm", "fit", "holes"});
+    only_within(guide, {"fit"}, {"clearance_mm", "max_penetration_mm"});
+    if (guide.contains("holes") && guide["holes"].is_array())
+      for (json& hole : guide["holes"]) {
+        hole = only(hole, {"name", "is_on_segment", "before_mm", "after_mm", "bone_mm", "closest"});
+        only_within(hole, {"closest"}, {"name", "distance_mm"});
+      }
+  }
+  return shown;
+}
+
+Response get_guides(ServedCase& served, const Request& request, const PathValues&) {
+  return document_reply(served, request, {"guides", "Guides", shown_guides});
+}
+
+/// Of the airway.
+void only_sections(json& shown) {
+  only_within(shown, {"min_section", "min_axial_section"},
+              {"area_mm2", "width_mm", "depth_mm", "along_mm"});
+}
+
 Response get_airway(ServedCase& served, const Request& request, const PathValues&) {
   return document_reply(
       served, request, {"airway", "Airway", [](const ServedCase&, const json& document) {
@@ -143,9 +170,12 @@ Response get_airway(ServedCase& served, const Request& request, const PathValues
                               only(document,
                                    {"notice", "upper", "lower", "front", "has_frankfurt_horizontal",
                                     "volume_ml", "length_mm", "closed_mm", "below_upper_mm",
-                                    "above_lower_mm", "min_section", "min_axial_section"});
-                          only_within(shown, {"min_section", "min_axial_section"},
-                                      {"area_mm2", "width_mm", "depth_mm", "along_mm"});
+                                    "above_lower_mm", "min_section", "min_axial_section", "after"});
+                          only_sections(shown);
+                          only_within(shown, {"after"},
+                                      {"volume_ml", "length_mm", "closed_mm", "min_section",
+                                       "min_axial_section", "wall_in_tissue_mesh"});
+                          if (shown.contains("after")) only_sections(shown["after"]);
                           return shown;
                         }});
 }
@@ -245,6 +275,7 @@ std::span<const Route> measure_routes() {
                                       {"GET", "/nerve", get_nerve},
                                       {"GET", "/nerve/points", get_nerve_points},
                                       {"PUT", "/nerve/points", put_nerve_points},
+                                      {"GET", "/guides", get_guides},
                                       {"GET", "/airway", get_airway},
                                       {"GET", "/cephalogram", get_cephalogram}};
   return kRoutes;

@@ -61,6 +61,15 @@ Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
               served.folder.etag(served.folder.cut() / fmt::format("segment_{}.vtp", name)))
         list.push_back({{"name", "segments/" + name}, {"etag", *etag}});
     }
+  const json guides = read_object(served.folder.guides() / "guides.json");
+  if (guides.contains("guides") && guides["guides"].is_array())
+    for (const json& guide : guides["guides"]) {
+      if (!guide.is_object() || !guide.contains("name") || !guide["name"].is_string()) continue;
+      const std::string name = guide["name"];
+      const auto file = guide_result(served.folder, fmt::format("guide_{}.stl", name));
+      if (const auto etag = file ? served.folder.etag(*file) : std::nullopt)
+        list.push_back({{"name", "guides/" + name}, {"etag", *etag}});
+    }
   return json_response({{"surfaces", list}});
 }
 
@@ -81,12 +90,19 @@ Response get_segment_surface(ServedCase& served, const Request& request, const P
                        served.folder.cut() / fmt::format("segment_{}.vtp", values[0]));
 }
 
+Response get_guide_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  const auto file = guide_result(served.folder, fmt::format("guide_{}.stl", values[0]));
+  if (!file) return not_found("no such guide");
+  return surface_reply(served, request, *file);
+}
+
 }  // namespace
 
 std::span<const Route> surface_routes() {
   static constexpr Route kRoutes[] = {{"GET", "/surfaces", get_surfaces},
                                       {"GET", "/surfaces/{surface}", get_surface},
-                                      {"GET", "/surfaces/segments/{segment}", get_segment_surface}};
+                                      {"GET", "/surfaces/segments/{segment}", get_segment_surface},
+                                      {"GET", "/surfaces/guides/{guide}", get_guide_surface}};
   return kRoutes;
 }
 
