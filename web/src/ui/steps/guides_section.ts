@@ -89,7 +89,7 @@ const guidesResult = (found: Schemas['Guides']): Html =>
       </tbody>
     </table>
     ${hint(
-      `mm. Gap: median clearance. Closest root or nerve to a hole: wanted ${fixed(found.min_distance_mm, 1)} mm or more.`,
+      `mm. Gap: clearance. Closest root or nerve to a hole: wanted ${fixed(found.min_distance_mm, 1)} mm or more.`,
     )}
     ${found.is_nerve_considered
       ? nothing
