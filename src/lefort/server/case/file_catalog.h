@@ -47,8 +47,8 @@ inline constexpr std::string_view kOcclusionSurface = "lower_in_occlusion";
 [[nodiscard]] std::optional<std::filesystem::path> segment_result(const CaseFolder& folder,
                                                                   std::string_view name);
 
-/// Whether `name` may be that of a cutting guide: that of a segment, `_right`, `_left` or `_middle`,
-/// and from the second guide of a side on its number, as in `chin_left_2`.
+/// Whether `name` may be that of a cutting guide: that of a segment, `_right`, `_left` or
+/// `_middle`, and from the second guide of a side on its number, as in `chin_left_2`.
 [[nodiscard]] bool is_guide_name(std::string_view name);
 
 /// Path of the surface of a cutting guide, `guide_NAME.stl`, whether it exists or not; nothing if

@@ -1,6 +1,7 @@
 /// \file
-/// Jobs of teeth and measures: numbered teeth, intraoral scans, occlusion, splints, canals,
-/// cutting guides, airway, cephalogram. measure_routes() serves the document of each result, so that jobs return none.
+/// Jobs of teeth and measures: numbered teeth, intraoral scans, occlusion, splints, canals, cutting
+/// guides, airway, cephalogram. measure_routes() serves the document of each result, so that jobs
+/// return none.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -77,9 +77,8 @@ const guidesResult = (found: Schemas['Guides']): Html =>
       <thead>
         <tr>
           <th>Guide</th>
-          <th title="Length of all slots">Slot</th>
-          <th title="Width of the slots">Width</th>
-          <th title="Median distance of the guide from the bone">Clearance</th>
+          <th title="Length of all slots × their width">Slot</th>
+          <th title="Clearance: median distance of the guide from the bone">Gap</th>
           <th title="Deepest penetration on the way in">Way in</th>
           <th>Holes</th>
           <th title="Distance of the holes from the closest root or nerve">Closest</th>
@@ -89,7 +88,9 @@ const guidesResult = (found: Schemas['Guides']): Html =>
         ${found.guides.map(guideRow)}
       </tbody>
     </table>
-    ${hint(`mm. Closest: root or nerve next to a hole; ${fixed(found.min_distance_mm, 1)} mm are kept where possible.`)}
+    ${hint(
+      `mm. Gap: clearance. Closest root or nerve to a hole: wanted ${fixed(found.min_distance_mm, 1)} mm or more.`,
+    )}
     ${found.is_nerve_considered
       ? nothing
       : notice(
@@ -102,7 +103,8 @@ function guideRow({ name, slot_mm, slot_width_mm, fit, holes }: Schemas['Guide']
   const closest = closestToHoles(holes);
   return html`<tr>
     <td>${name}</td>
-    ${cells([slot_mm], 1)} ${cells([slot_width_mm, fit.clearance_mm.median, fit.max_penetration_mm], 2)}
+    <td>${fixed(slot_mm, 1)} × ${fixed(slot_width_mm, 2)}</td>
+    ${cells([fit.clearance_mm.median, fit.max_penetration_mm], 2)}
     <td>${holes.length}</td>
     <td title=${closest?.name ?? nothing}>${fixed(closest?.distance_mm, 1)}</td>
   </tr>`;
