@@ -110,7 +110,7 @@ Vec3 DisplacementField::at(const Vec3& p_L) const {
 }
 
 Vec3 DisplacementField::before(const Vec3& q_L) const {
-  constexpr int kIterations = 10;
+  constexpr int kIterations = 40;
   constexpr double kClose_mm = 0.005;
   Vec3 p_L = q_L;
   for (int n = 0; n < kIterations; ++n) {

@@ -4,6 +4,7 @@
 #include <lefort/core/units.h>
 #include <lefort/dental/check_arch.h>
 #include <lefort/dental/coarse_alignment.h>
+#include <lefort/dental/insertion_fit.h>
 #include <lefort/dental/register_bite.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -29,7 +30,7 @@ constexpr CoarseOptions kPartOfArch{.quantile = 0.3}, kFirstLook{.quantile = 0.3
 constexpr double kOnArch_mm = 0.5;
 constexpr double kMinOnArches = 0.6, kMinOnEach = 0.15;
 /// The scans of both sides agree within this.
-constexpr double kMaxBiteRms_mm = 0.3;
+constexpr double kMaxBiteMedian_mm = 0.3;
 
 /// The rotations that map coordinate axes to coordinate axes.
 std::vector<Mat3> cube_rotations() {
@@ -244,16 +245,29 @@ TriangleMesh joined(const std::vector<UpperFit>& fits) {
   return all;
 }
 
-/// Root mean square of the distances of the vertices from the arch, each 2 mm at most.
-double rms_on(const Bvh& arch, const TriangleMesh& part, const RigidTransform& X) {
+/// Distances of vertices from the lower arch; those without a surface within 2 mm count 2 mm.
+std::vector<double> distances_on(const Bvh& arch, const TriangleMesh& part,
+                                 const RigidTransform& X) {
   constexpr double kMost_mm = 2.0;
-  double squared = 0.0;
+  std::vector<double> distances;
+  distances.reserve(part.vertices.size());
   for (const Vec3& p : part.vertices) {
     const auto nearest = arch.closest_point(X * p, kMost_mm);
-    const double off_mm = nearest ? nearest->distance_mm : kMost_mm;
-    squared += off_mm * off_mm;
+    distances.push_back(nearest ? nearest->distance_mm : kMost_mm);
   }
-  return std::sqrt(squared / double(std::max<std::size_t>(part.vertices.size(), 1)));
+  return distances;
+}
+
+/// Root mean square of those within 1 mm.
+double rms_of(const std::vector<double>& distances_mm) {
+  double squared = 0.0;
+  Index count = 0;
+  for (const double d : distances_mm)
+    if (d <= kCounterpart_mm) {
+      squared += d * d;
+      ++count;
+    }
+  return count > 0 ? std::sqrt(squared / double(count)) : 0.0;
 }
 
 }  // namespace
@@ -283,12 +297,14 @@ Result<Bite> register_bite(const TriangleMesh& upper_L, const TriangleMesh& lowe
       compare::register_surface(joined(fits), arches.lower, starts, kBiteRegistration, progress));
   Bite found{lower.X_onto_from.inverse(), {}};
   for (UpperFit& one : fits) {
-    one.fit.lower_rms_mm = rms_on(arches.lower, one.lower_L, lower.X_onto_from);
-    if (one.fit.lower_rms_mm > kMaxBiteRms_mm)
-      return fail(ErrorCode::kNotConverged,
-                  fmt::format("the bite scans do not fit together: one is {:.2f} mm (RMS) off the "
-                              "lower arch, must be {:g} or less",
-                              one.fit.lower_rms_mm, kMaxBiteRms_mm));
+    const std::vector<double> off_mm = distances_on(arches.lower, one.lower_L, lower.X_onto_from);
+    one.fit.lower_rms_mm = rms_of(off_mm);
+    if (const double median_mm = percentile(off_mm, 0.5); !(median_mm <= kMaxBiteMedian_mm))
+      return fail(
+          ErrorCode::kNotConverged,
+          fmt::format("the bite scans do not fit together: one is {:.2f} mm (median) off the "
+                      "lower arch, must be {:g} or less",
+                      median_mm, kMaxBiteMedian_mm));
     found.fits.push_back(one.fit);
   }
   return found;
