@@ -153,7 +153,7 @@ std::vector<PointWithNormal> not_on(const Bvh& arch, const RigidTransform& X,
 }
 
 BiteAlignment aligned(const TriangleMesh& bite, const Arches& arches, const ArchAxes& axes) {
-  constexpr std::size_t kKept = 150, kNear = 4, kCandidates = 12, kMinRest = 30;
+  constexpr std::size_t kKept = 150, kNear = 4, kCandidates = 8, kMinRest = 20;
   const Vec3 center = mean_vertex(bite);
   const auto fewest = points_with_normals(bite, 60), few = points_with_normals(bite, 120),
              many = points_with_normals(bite, 400);
@@ -171,7 +171,7 @@ BiteAlignment aligned(const TriangleMesh& bite, const Arches& arches, const Arch
   for (std::size_t n = 0; n < std::min(kCandidates, ends.size()); ++n) {
     BiteAlignment one{
         align_coarsely(many, arches.upper, center, {ends[n].X}, kPartOfArch).front().X};
-    const auto rest = not_on(arches.upper, one.X_upper, many);
+    const auto rest = not_on(arches.upper, one.X_upper, few);
     if (rest.size() < kMinRest) continue;
     one.X_lower = align_coarsely(rest, arches.lower, center, shifted(one.X_upper, axes)).front().X;
     one.fraction = fraction_on(many, arches, one);
