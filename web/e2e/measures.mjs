@@ -134,7 +134,7 @@ test('intraoral scans that are none are refused in one line', () =>
 test('an occlusion of bite scans needs one', () =>
   withMeasures('arches', async (page) => {
     await page.getByRole('button', { name: 'As scanned', exact: true }).click();
-    check('no bite scan is asked for', (await page.locator(id('choose-bite')).count()) === 0);
+    check('no bite scan is required', (await page.locator(id('choose-bite')).count()) === 0);
     await page.getByRole('button', { name: 'Bite scan', exact: true }).click();
     await page.locator(id('choose-bite2')).waitFor();
     await accessible(page, 'the choice of bite scans');

@@ -16,7 +16,7 @@ constexpr double kFieldSpacing_mm = 2.0;
 constexpr Index kBoxReach = 2;
 constexpr int kBoxes = 3;
 /// Where points end, the displacement fades over twice its length, so that it does not fold.
-constexpr double kFadeStart_mm = 4.0, kLeastFade_mm = 8.0, kMostFade_mm = 40.0;
+constexpr double kFadeStart_mm = 4.0, kMinFade_mm = 8.0, kMaxFade_mm = 40.0;
 
 /// Sum of displacements and their number.
 using Sums = std::vector<Eigen::Vector4d>;
@@ -83,7 +83,7 @@ DisplacementField::DisplacementField(std::span<const MovedPoint> points, const B
     for (std::size_t axis = 0; axis < 3; ++axis) blur_along(grid_, axis, sums);
   for (Eigen::Vector4d& sum : sums)
     if (sum.w() > 0.0) sum /= sum.w();
-  const double far_mm = kFadeStart_mm + std::clamp(2.0 * max_mm, kLeastFade_mm, kMostFade_mm);
+  const double far_mm = kFadeStart_mm + std::clamp(2.0 * max_mm, kMinFade_mm, kMaxFade_mm);
   const int fills = int(std::ceil(far_mm / (kFieldSpacing_mm * double(kBoxReach))));
   for (int n = 0; n < fills; ++n) fill_once(grid_, sums);
   const image::ScalarVolume away = distance_to(occupied, far_mm);

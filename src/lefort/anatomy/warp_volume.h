@@ -19,9 +19,9 @@ struct MovedPoint {
 class DisplacementField {
  public:
   /// Normalized convolution \cite knutsson1993 of the displacements with a filter of 5 mm
-  /// (standard deviation; three box filters) on a grid of 2 mm. Where points end, it fades over twice
-  /// the largest displacement (8 to 40 mm), from 4 mm on. Points on both sides of a gap narrower than
-  /// the filter are averaged: a gap moves rather than widens.
+  /// (standard deviation; three box filters) on a grid of 2 mm. Where points end, it fades over
+  /// twice the largest displacement (8 to 40 mm), from 4 mm on. Points on both sides of a gap
+  /// narrower than the filter are averaged: a gap moves rather than widens.
   ///
   /// \param points  finite.
   /// \param box_L   where the field is needed. \pre up to 10^8 nodes.

@@ -34,8 +34,8 @@ struct CoarseOptions {
   int iterations = 15;
 };
 
-/// From each start some iterations of closest points with point-to-plane distances \cite chen1992 and
-/// Tukey's weights, whose width follows a quantile of the distances.
+/// From each start some iterations of closest points with point-to-plane distances \cite chen1992
+/// and Tukey's weights, whose width follows a quantile of the distances.
 ///
 /// \param points    of the object.
 /// \param surface   the one to register with; closed or open.

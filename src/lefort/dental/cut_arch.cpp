@@ -27,7 +27,8 @@ std::vector<std::pair<int, Vec3>> upper_crowns(const std::map<int, Vec3>& crowns
 /// The place left of which a cut lies: that of its right tooth.
 Result<int> cut_after(const std::array<int, 2>& cut,
                       const std::vector<std::pair<int, Vec3>>& upper) {
-  const auto [first, last] = std::minmax({place_of(cut[0]), place_of(cut[1])});
+  const int first = std::min(place_of(cut[0]), place_of(cut[1]));
+  const int last = std::max(place_of(cut[0]), place_of(cut[1]));
   const auto at =
       std::find_if(upper.begin(), upper.end(), [&](const auto& one) { return one.first == first; });
   const bool is_upper =

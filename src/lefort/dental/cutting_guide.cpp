@@ -44,14 +44,11 @@ struct NearLine {
 };
 
 NearLine near_line(const CutLine& line, const Vec3& p_L) {
-  double closest = std::numeric_limits<double>::infinity();
-  const Vec3* at = nullptr;
-  for (const Vec3& q_L : line.points_L)
-    if (const double d = (q_L - p_L).squaredNorm(); d < closest) {
-      closest = d;
-      at = &q_L;
-    }
-  return {std::sqrt(closest), line.position_mm(*at)};
+  const auto closest = std::min_element(line.points_L.begin(), line.points_L.end(),
+                                        [&](const Vec3& a, const Vec3& b) {
+                                          return (a - p_L).squaredNorm() < (b - p_L).squaredNorm();
+                                        });
+  return {(*closest - p_L).norm(), line.position_mm(*closest)};
 }
 
 /// Level-set functions of what is removed from the body of a guide: positive where material stays.
@@ -204,14 +201,14 @@ Result<TriangleMesh> surface_of(const image::ScalarVolume& level, Progress& prog
     if (surface_L.error().code != ErrorCode::kMeshInvalid) return surface_L;
     return fail(ErrorCode::kMeshInvalid, "there is no space for a guide on this line");
   }
-  double largest_mm3 = 0.0;
+  double max_mm3 = 0.0;
   const auto volume = [](const TriangleMesh& part) { return geometry::signed_volume_mm3(part); };
   static_cast<void>(geometry::keep_components(*surface_L, [&](const TriangleMesh& part) {
-    largest_mm3 = std::max(largest_mm3, volume(part));
+    max_mm3 = std::max(max_mm3, volume(part));
     return false;
   }));
   return geometry::keep_components(
-      *surface_L, [&](const TriangleMesh& part) { return volume(part) > kMinRatio * largest_mm3; });
+      *surface_L, [&](const TriangleMesh& part) { return volume(part) > kMinRatio * max_mm3; });
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ struct Guide {
 /// Slots follow the faces of the cut; bridges between them keep the guide in one piece.
 ///
 /// \param site         bone and cut.
-/// \param line         of the cut, visible from site.outward_L.
+/// \param line         of the cut, visible from site.outward_L. \pre it has points.
 /// \param holes        of the drill.
 /// \param diameter_mm  of the holes.
 /// \returns the guide, or

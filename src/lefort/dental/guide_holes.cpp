@@ -78,9 +78,9 @@ std::vector<Candidate> candidates_of(const GuideSite& site, const CutLine& line,
 
 /// Thickness of the bone behind a point.
 double bone_behind(const GuideSite& site, const Candidate& one) {
-  constexpr double kInside_mm = 0.05, kMost_mm = 20.0;
+  constexpr double kInside_mm = 0.05, kMaxBone_mm = 20.0;
   const auto exit = site.bone.first_hit(one.point_L - kInside_mm * one.axis_L, -one.axis_L);
-  return exit ? std::min(exit->distance_mm + kInside_mm, kMost_mm) : kMost_mm;
+  return exit ? std::min(exit->distance_mm + kInside_mm, kMaxBone_mm) : kMaxBone_mm;
 }
 
 /// The best candidate on one side near a position, clear of the other holes.

@@ -43,7 +43,8 @@ struct Arches {
 };
 
 /// Penetration is searched up to this depth. Arches are open: behind the side of a tooth at the end
-/// of a piece (in the place of the lower arch), a point of the other arch looks as if it were inside.
+/// of a piece (in the place of the lower arch), a point of the other arch looks as if it were
+/// inside.
 inline constexpr double kArchReach_mm = 10.0, kPieceReach_mm = 2.0;
 
 /// \param X_LB      position of the lower arch.

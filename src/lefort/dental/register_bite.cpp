@@ -248,12 +248,12 @@ TriangleMesh joined(const std::vector<UpperFit>& fits) {
 /// Distances of vertices from the lower arch; those without a surface within 2 mm count 2 mm.
 std::vector<double> distances_on(const Bvh& arch, const TriangleMesh& part,
                                  const RigidTransform& X) {
-  constexpr double kMost_mm = 2.0;
+  constexpr double kMaxOff_mm = 2.0;
   std::vector<double> distances;
   distances.reserve(part.vertices.size());
   for (const Vec3& p : part.vertices) {
-    const auto nearest = arch.closest_point(X * p, kMost_mm);
-    distances.push_back(nearest ? nearest->distance_mm : kMost_mm);
+    const auto nearest = arch.closest_point(X * p, kMaxOff_mm);
+    distances.push_back(nearest ? nearest->distance_mm : kMaxOff_mm);
   }
   return distances;
 }

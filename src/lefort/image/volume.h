@@ -31,9 +31,8 @@ struct Grid {
   }
   /// Center of the voxel at a position in the list of values.
   [[nodiscard]] Vec3 center_L(Index offset) const {
-    const Index row = offset / size[0];
-    return point_L({static_cast<double>(offset % size[0]), static_cast<double>(row % size[1]),
-                    static_cast<double>(row / size[1])});
+    const Index row = offset / size[0], i = offset % size[0], j = row % size[1], k = row / size[1];
+    return point_L({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
   }
   [[nodiscard]] Vec3 index_V(const Vec3& p_L) const {
     return (direction.transpose() * (p_L - origin_L)).cwiseQuotient(spacing_mm);

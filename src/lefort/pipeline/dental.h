@@ -46,8 +46,8 @@ struct TeethJob {
 };
 
 /// Finds, separates and numbers the teeth (dental::number_teeth()), and corrects their numbers.
-/// Writes `teeth_corrections.json` if there are corrections, `teeth_numbered.seg.nrrd`, `teeth.mrk.json` (crown and apex of each tooth), `teeth.csv` and
-/// `teeth.json`.
+/// Writes `teeth_corrections.json` if there are corrections, `teeth_numbered.seg.nrrd`,
+/// `teeth.mrk.json` (crown and apex of each tooth), `teeth.csv` and `teeth.json`.
 ///
 /// \returns the summary, or
 ///   - kInvalidArgument  a correction is not possible (dental::renumbered());

@@ -19,11 +19,10 @@ Result<std::optional<dental::NumberedTeeth>> corrected_numbers(
     const anatomy::ToothMap& teeth, std::span<const plan::Landmark> landmarks,
     const std::optional<std::filesystem::path>& corrections) {
   LEFORT_TRY(const auto corrected, read_tooth_corrections(corrections));
-  auto found = dental_numbers(teeth, landmarks);
-  if (found) {
-    LEFORT_TRY(*found, dental::renumbered(*std::move(found), corrected));
-  }
-  return found;
+  const auto found = dental_numbers(teeth, landmarks);
+  if (!found) return std::optional<dental::NumberedTeeth>();
+  LEFORT_TRY(dental::NumberedTeeth teeth_found, dental::renumbered(*found, corrected));
+  return std::optional(std::move(teeth_found));
 }
 
 }  // namespace lefort::pipeline

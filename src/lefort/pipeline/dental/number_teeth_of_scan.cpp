@@ -89,17 +89,18 @@ Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
   progress.begin_stage("number the teeth");
   const anatomy::ToothMap teeth =
       anatomy::find_teeth(head.scanned.scan.ct, head.scanned.labels, head.scanned.levels.bone_hu);
-  auto found = dental_numbers(teeth, head.landmarks);
-  if (!found)
+  auto numbered = dental_numbers(teeth, head.landmarks);
+  if (!numbered)
     return fail(ErrorCode::kAnatomyMissing,
                 "no landmark of the mid-sagittal plane (N, ANS, A): give one in a file "
                 "(--landmarks)");
-  if (found->teeth.empty())
+  if (numbered->teeth.empty())
     return fail(
         ErrorCode::kAnatomyMissing,
         "no teeth are found: both jaws must be in the scan and in the labels, and the teeth "
         "must show enamel");
-  LEFORT_TRY(*found, dental::renumbered(*std::move(found), corrections));
+  LEFORT_TRY(const dental::NumberedTeeth found,
+             dental::renumbered(*std::move(numbered), corrections));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const std::filesystem::path file = job.output / "teeth_corrections.json";
   if (corrections.empty()) {
@@ -107,10 +108,10 @@ Result<Summary> number_teeth_of_scan(const TeethJob& job, Progress& progress) {
   } else {
     LEFORT_TRY_VOID(write_tooth_corrections(file, corrections));
   }
-  LEFORT_TRY_VOID(io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found->numbers));
-  LEFORT_TRY_VOID(io::write_landmarks(job.output / "teeth.mrk.json", points_of(found->teeth)));
-  LEFORT_TRY_VOID(io::write_text(job.output / "teeth.csv", teeth_csv(found->teeth)));
-  Summary summary = summary_of(*found, job.output);
+  LEFORT_TRY_VOID(io::write_numbered_teeth(job.output / "teeth_numbered.seg.nrrd", found.numbers));
+  LEFORT_TRY_VOID(io::write_landmarks(job.output / "teeth.mrk.json", points_of(found.teeth)));
+  LEFORT_TRY_VOID(io::write_text(job.output / "teeth.csv", teeth_csv(found.teeth)));
+  Summary summary = summary_of(found, job.output);
   LEFORT_TRY_VOID(io::write_text(job.output / "teeth.json", summary.json.dump(1) + "\n"));
   return summary;
 }

@@ -73,7 +73,7 @@ Result<std::map<int, Vec3>> read_crowns(const fs::path& file) {
     Vec3 at_L;
     for (Index axis = 0; axis < 3; ++axis) {
       const auto& value = one["crown"][std::size_t(axis)];
-      if (!value.is_number()) return corrupt_teeth(file, "the position of a crown is no number");
+      if (!value.is_number()) return corrupt_teeth(file, "the position of a crown is not a number");
       at_L[axis] = value.get<double>();
     }
     if (!at_L.allFinite() || !crowns.emplace(fdi, at_L).second)

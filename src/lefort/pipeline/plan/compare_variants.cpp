@@ -129,6 +129,7 @@ class Rows {
 
 std::vector<std::string> names_of_variants(const std::vector<Variant>& variants) {
   std::vector<std::string> names;
+  names.reserve(variants.size());
   for (const Variant& one : variants) names.push_back(one.name);
   return names;
 }
@@ -169,11 +170,11 @@ report::ReportTable movement_table(const std::vector<Variant>& variants) {
          variants[n].check.value("movements", nlohmann::json::array())) {
       const std::string segment = one.value("segment", "");
       const nlohmann::json center = one.value("center", nlohmann::json::object());
-      rows.set(segment + ", center", n, translation_in_words(center));
-      rows.set(segment + ", rotation", n, rotation_in_words(center));
+      rows.set(fmt::format("{}, center", segment), n, translation_in_words(center));
+      rows.set(fmt::format("{}, rotation", segment), n, rotation_in_words(center));
       const nlohmann::json landmarks = one.value("landmarks", nlohmann::json::object());
       for (const auto& [name, terms] : landmarks.items())
-        rows.set(segment + ", " + name, n, translation_in_words(terms));
+        rows.set(fmt::format("{}, {}", segment, name), n, translation_in_words(terms));
     }
   return rows.table();
 }

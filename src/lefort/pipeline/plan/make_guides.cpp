@@ -1,5 +1,7 @@
 #include <lefort/anatomy/find_teeth.h>
+#include <lefort/core/version.h>
 #include <lefort/geometry/mesh_properties.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>

@@ -150,12 +150,12 @@ std::optional<fs::path> segment_result(const CaseFolder& folder, std::string_vie
 }
 
 bool is_guide_name(std::string_view name) {
-  constexpr std::size_t kMostDigits = 3;
+  constexpr std::size_t kMaxDigits = 3;
   // The number of a second guide of a side, after the last underscore.
   if (const std::size_t at = name.find_last_not_of("0123456789"); at != std::string_view::npos) {
     const std::string_view digits = name.substr(at + 1);
     if (!digits.empty()) {
-      if (name[at] != '_' || digits.front() == '0' || digits.size() > kMostDigits) return false;
+      if (name[at] != '_' || digits.front() == '0' || digits.size() > kMaxDigits) return false;
       name = name.substr(0, at);
     }
   }
