@@ -495,7 +495,7 @@ TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {
   EXPECT_EQ(job["message"].get<std::string>().find("--"), std::string::npos) << job["message"];
   EXPECT_EQ(stage("guides")["state"], "fresh");
   const json found = document("/guides", "Guides");
-  EXPECT_FALSE(found["is_nerve_considered"]);
+  EXPECT_FALSE(found["are_nerves_considered"]);
   ASSERT_EQ(found["guides"].size(), 1U);
   const json guide = found["guides"][0];
   EXPECT_EQ(guide["name"], "chin_middle");

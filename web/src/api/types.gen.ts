@@ -1631,8 +1631,8 @@ export interface components {
         };
         GuideHole: {
             name: string;
-            /** @description Otherwise on the bone on the other side of the cut. */
-            is_on_segment: boolean;
+            /** @description That holds the screw: a segment, or `remainder`. */
+            bone: string;
             /** @description On the bone before surgery. */
             before_mm: number[];
             /** @description After the movement. */
@@ -1665,7 +1665,9 @@ export interface components {
             hole_diameter_mm: number;
             /** @description Of holes from roots and nerves. */
             min_distance_mm: number;
-            is_nerve_considered: boolean;
+            are_nerves_considered: boolean;
+            /** @description False if no teeth were found. */
+            are_roots_considered: boolean;
             guides: components["schemas"]["Guide"][];
         };
         /** @description Of cephalogram.json. */

@@ -91,13 +91,12 @@ const guidesResult = (found: Schemas['Guides']): Html =>
     ${hint(
       `mm. Gap: clearance. Closest root or nerve to a hole: wanted ${fixed(found.min_distance_mm, 1)} mm or more.`,
     )}
-    ${found.is_nerve_considered
+    ${found.are_nerves_considered
       ? nothing
-      : notice(
-          'info',
-          'Without the nerves',
-          'Holes are not compared with the canals. Trace them first, under Nerve.',
-        )}`;
+      : notice('info', 'Without the nerves', 'Holes are not compared with the canals. Trace them first, under Nerve.')}
+    ${found.are_roots_considered
+      ? nothing
+      : notice('info', 'Without the teeth', 'No teeth were found: holes are not compared with roots.')}`;
 
 function guideRow({ name, slot_mm, slot_width_mm, fit, holes }: Schemas['Guide']): Html {
   const closest = closestToHoles(holes);

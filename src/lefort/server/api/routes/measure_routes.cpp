@@ -137,8 +137,8 @@ Response get_nerve(ServedCase& served, const Request& request, const PathValues&
 }
 
 json shown_guides(const ServedCase&, const json& document) {
-  json shown = only(
-      document, {"notice", "hole_diameter_mm", "min_distance_mm", "is_nerve_considered", "guides"});
+  json shown = only(document, {"notice", "hole_diameter_mm", "min_distance_mm",
+                               "are_nerves_considered", "are_roots_considered", "guides"});
   if (!shown.contains("guides") || !shown["guides"].is_array()) return shown;
   for (json& guide : shown["guides"]) {
     guide = only(guide, {"name", "segment", "put_on_from", "volume_ml", "parts", "slot_mm",
@@ -146,7 +146,7 @@ json shown_guides(const ServedCase&, const json& document) {
     only_within(guide, {"fit"}, {"clearance_mm", "max_penetration_mm"});
     if (guide.contains("holes") && guide["holes"].is_array())
       for (json& hole : guide["holes"]) {
-        hole = only(hole, {"name", "is_on_segment", "before_mm", "after_mm", "bone_mm", "closest"});
+        hole = only(hole, {"name", "bone", "before_mm", "after_mm", "bone_mm", "closest"});
         only_within(hole, {"closest"}, {"name", "distance_mm"});
       }
   }
