@@ -2,6 +2,8 @@
 #include <lefort/dental/blocked_space.h>
 #include <lefort/dental/faced_gap.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,6 +23,22 @@ double level_at(const geometry::Bvh& arch, const Vec3& p, double clearance_mm) {
 }
 
 }  // namespace
+
+Result<image::Grid> grid_in_box(const Mat3& direction, const Box3& box, double voxel_mm) {
+  constexpr double kMaxVoxels = 1e8;
+  const Vec3 voxels = (box.sizes() / voxel_mm).array().ceil() + 1.0;
+  if (!(voxels.prod() <= kMaxVoxels))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("a grid of {:.0f} million voxels is too large, must be {:.0f} million "
+                            "or less: use larger voxels",
+                            1e-6 * voxels.prod(), 1e-6 * kMaxVoxels));
+  image::Grid grid;
+  grid.direction = direction;
+  grid.spacing_mm = Vec3::Constant(voxel_mm);
+  grid.origin_L = direction * box.min();
+  for (Index axis = 0; axis < 3; ++axis) grid.size[std::size_t(axis)] = Index(voxels[axis]);
+  return grid;
+}
 
 BlockedSpace block_space(const geometry::Bvh& arch, const image::Grid& grid, bool is_upper,
                          double clearance_mm, const Progress& progress) {

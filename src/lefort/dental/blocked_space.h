@@ -2,6 +2,7 @@
 /// The space that an arch needs while a splint is put on.
 #pragma once
 
+#include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/image/volume.h>
@@ -19,6 +20,12 @@ struct BlockedSpace {
   /// begins, as seen from the other arch; NaN where the arch has nothing.
   std::vector<double> border_mm;
 };
+
+/// \param direction  columns: unit vectors of i, j, k in L; a rotation.
+/// \param box        of the grid, along these directions [mm].
+/// \returns the grid; or kInvalidArgument if it would have more than 10^8 voxels.
+[[nodiscard]] Result<image::Grid> grid_in_box(const Mat3& direction, const Box3& box,
+                                              double voxel_mm);
 
 /// \param arch          the surface, outward.
 /// \param grid          of the result.

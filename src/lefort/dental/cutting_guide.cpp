@@ -94,25 +94,15 @@ class Openings {
 /// The grid around the line: i along it, k outward.
 Result<image::Grid> grid_around(const GuideSite& site, const CutLine& line,
                                 const GuideOptions& options) {
-  constexpr double kMaxVoxels = 1e8;
   image::Grid grid;
   grid.direction << line.along_L, site.outward_L.cross(line.along_L), site.outward_L;
-  grid.spacing_mm = Vec3::Constant(options.voxel_mm);
   Box3 box;
   for (const Vec3& p : line.points_L) box.extend(Vec3(grid.direction.transpose() * p));
   const double margin_mm =
       options.width_mm + options.thickness_mm + options.clearance_mm + 3.0 * options.voxel_mm;
   box.min() -= Vec3::Constant(margin_mm);
   box.max() += Vec3::Constant(margin_mm);
-  const Vec3 voxels = (box.sizes() / options.voxel_mm).array().ceil() + 1.0;
-  if (!(voxels.prod() <= kMaxVoxels))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("a grid of {:.0f} million voxels is too large, must be {:.0f} million "
-                            "or less: use larger voxels",
-                            1e-6 * voxels.prod(), 1e-6 * kMaxVoxels));
-  grid.origin_L = grid.direction * box.min();
-  for (Index axis = 0; axis < 3; ++axis) grid.size[std::size_t(axis)] = Index(voxels[axis]);
-  return grid;
+  return grid_in_box(grid.direction, box, options.voxel_mm);
 }
 
 /// Positive where the bone of a column faces outward (75 degrees or less) [mm], so that no guide

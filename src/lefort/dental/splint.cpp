@@ -128,10 +128,9 @@ double min_thickness(const BlockedSpace& upper, const BlockedSpace& lower, const
 /// The grid around both arches where they face each other, along the directions of the arches.
 Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
                                  const ArchAxes& axes, const SplintOptions& options) {
-  constexpr double kMaxGap_mm = 20.0, kSpare_mm = 3.0, kMaxVoxels = 1e8;
+  constexpr double kMaxGap_mm = 20.0, kSpare_mm = 3.0;
   image::Grid grid;
   grid.direction << axes.left_L(), -axes.anterior_L, axes.superior_L;
-  grid.spacing_mm = Vec3::Constant(options.voxel_mm);
   const auto box_of = [&](const TriangleMesh& mesh) {
     Box3 box;
     for (const Vec3& p : mesh.vertices) box.extend(grid.direction.transpose() * p);
@@ -153,15 +152,7 @@ Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh
   const double high = std::max(lower.max().z(), upper.min().z()) + beyond_mm;
   box.min() = Vec3(box.min().x() - margin_mm, box.min().y() - margin_mm, low);
   box.max() = Vec3(box.max().x() + margin_mm, box.max().y() + margin_mm, high);
-  const Vec3 voxels = (box.sizes() / options.voxel_mm).array().ceil() + 1.0;
-  if (!(voxels.prod() <= kMaxVoxels))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("a grid of {:.0f} million voxels is too large, must be {:.0f} million "
-                            "or less: use larger voxels",
-                            1e-6 * voxels.prod(), 1e-6 * kMaxVoxels));
-  grid.origin_L = grid.direction * box.min();
-  for (Index axis = 0; axis < 3; ++axis) grid.size[std::size_t(axis)] = Index(voxels[axis]);
-  return grid;
+  return grid_in_box(grid.direction, box, options.voxel_mm);
 }
 
 /// Level of the splint: its body without both blocked spaces. Takes the place of that of `upper`.

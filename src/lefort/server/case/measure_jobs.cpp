@@ -393,13 +393,7 @@ Result<JobOutcome> airway_job(const JobContext& context, const JobRecord&, Progr
     airway.landmarks = landmarks_of(folder, progress);
     airway.output = folder.airway();
     if (folder.stage("prediction")["state"] == "fresh") airway.prediction = folder.prediction();
-    auto summary = pipeline::measure_airway_of_scan(airway, progress);
-    if (summary && !airway.prediction)
-      for (const char* name : {"airway_after.vtp", "airway_after.csv", "airway_after.svg"}) {
-        std::error_code error;
-        fs::remove(folder.airway() / name, error);
-      }
-    return summary;
+    return pipeline::measure_airway_of_scan(airway, progress);
   });
 }
 
