@@ -7,6 +7,7 @@
 #include <lefort/dental/gap_grid.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/transform_mesh.h>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace lefort::dental {
 namespace {
@@ -107,11 +110,49 @@ struct SearchedArch {
   }
 };
 
+/// A requested distance along a direction of a point of the lower arch.
+struct Request {
+  Vec3 point, direction;
+  double level_mm = 0.0;  ///< Of the moved point along the direction.
+  [[nodiscard]] double off_mm(const RigidTransform& X) const {
+    return direction.dot(X * point) - level_mm;
+  }
+};
+
 /// Both arches as the search sees them.
 struct SearchedArches {
   SearchedArch upper, lower;
-  Vec3 center_of_lower, superior_L;
+  Vec3 center_of_lower;
+  ArchAxes axes;
+  OcclusionRequests requests;
+  double lower_mm2 = 0.0;  ///< Area of the points of the lower arch.
 };
+
+double area_of(const std::vector<ArchPoint>& points) {
+  double mm2 = 0.0;
+  for (const ArchPoint& at : points) mm2 += at.mm2;
+  return mm2;
+}
+
+/// The requests while the lower arch is near `X`: overjet and overbite are those of the points that
+/// are the edges there.
+std::vector<Request> requests_at(const SearchedArches& arches, const RigidTransform& X) {
+  const OcclusionRequests& wanted = arches.requests;
+  const ArchAxes& axes = arches.axes;
+  std::vector<Request> requests;
+  if (wanted.midline_mm)
+    requests.push_back({wanted.lower_midline_L, axes.left_L(),
+                        *wanted.midline_mm + axes.left_L().dot(wanted.upper_midline_L)});
+  if (!wanted.overjet_mm && !wanted.overbite_mm) return requests;
+  const Vec3 upper = incisal_edge(arches.upper.surface->mesh(), -axes.superior_L, axes);
+  const TriangleMesh lower = geometry::transformed(arches.lower.surface->mesh(), X);
+  const Vec3 edge = X.inverse() * incisal_edge(lower, axes.superior_L, axes);
+  if (wanted.overjet_mm)
+    requests.push_back({edge, -axes.anterior_L, *wanted.overjet_mm - axes.anterior_L.dot(upper)});
+  if (wanted.overbite_mm)
+    requests.push_back({edge, axes.superior_L, *wanted.overbite_mm + axes.superior_L.dot(upper)});
+  return requests;
+}
 
 /// Cost of area: that of Geman and McClure for open gaps, the penalty for penetration. `weight` is
 /// half its derivative over the gap.
@@ -170,30 +211,34 @@ GapSums sum_of(const SumAt& at, double mm2, const std::optional<FacedGap>& faced
   return one;
 }
 
+/// Adds the cost of a distance of `p` along a direction.
+void add_distance(const SumAt& at, const Vec3& p, const Vec3& direction, double off_mm,
+                  double weight, GapSums& sums) {
+  Vec6 row;
+  row << at.rotations * (p - at.center).cross(direction) / kArch_mm, direction;
+  sums.matrix += weight * row * row.transpose();
+  sums.vector += weight * off_mm * row;
+  sums.cost += weight * off_mm * off_mm;
+}
+
 /// Adds the cost of the displacement of a point of the lower arch from the start.
 void add_displacement(const SumAt& at, const ArchPoint& point, const Vec3& p, GapSums& sums) {
   const double weight = at.stage->displacement * point.mm2;
   if (weight == 0.0) return;
   const Vec3 off = p - point.point;
-  for (Index axis = 0; axis < 3; ++axis) {
-    const Vec3 direction = Vec3::Unit(axis);
-    Vec6 row;
-    row << at.rotations * (p - at.center).cross(direction) / kArch_mm, direction;
-    sums.matrix += weight * row * row.transpose();
-    sums.vector += weight * off[axis] * row;
-  }
-  sums.cost += weight * off.squaredNorm();
+  for (Index axis = 0; axis < 3; ++axis)
+    add_distance(at, p, Vec3::Unit(axis), off[axis], weight, sums);
 }
 
 GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform& X,
-                 const Stage& stage) {
+                 const Stage& stage, const std::vector<Request>& requests) {
   const auto& from_lower = arches.lower.points(exact);
   const auto& from_upper = arches.upper.points(exact);
-  const Vec3& up = arches.superior_L;
+  const Vec3& up = arches.axes.superior_L;
   const SumAt at{&stage, X, X.inverse(), X * arches.center_of_lower,
                  stage.tilts ? Mat3(Mat3::Identity()) : Mat3(up * up.transpose())};
   const auto count = Index(from_lower.size());
-  return deterministic_sum(count + Index(from_upper.size()), GapSums{}, [&](Index i) {
+  GapSums sums = deterministic_sum(count + Index(from_upper.size()), GapSums{}, [&](Index i) {
     if (i < count) {
       const ArchPoint& point = from_lower[std::size_t(i)];
       const Vec3 p = X * point.point;
@@ -208,6 +253,16 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
     if (!faced) return sum_of(at, point.mm2, faced, Vec3::Zero(), Vec3::Zero());
     return sum_of(at, point.mm2, faced, X * faced->point, -(X.linear() * faced->normal));
   });
+  for (const Request& request : requests)
+    add_distance(at, X * request.point, request.direction, request.off_mm(X), arches.lower_mm2,
+                 sums);
+  return sums;
+}
+
+/// The cost by which ends are compared.
+double compared_cost(const SearchedArches& arches, bool exact, const RigidTransform& X) {
+  constexpr Stage kCompared{1.5, 25.0, 0};  // By area within about this gap.
+  return sum_gaps(arches, exact, X, kCompared, requests_at(arches, X)).cost;
 }
 
 /// Minimizes the cost of one stage by damped Gauss-Newton steps (\cite nocedal2006, section 10.3):
@@ -215,7 +270,8 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
 /// other.
 bool minimize(const SearchedArches& arches, bool exact, const Stage& stage, RigidTransform& X) {
   constexpr double kMaxStep_mm = 2.0, kEnough_mm = 1e-4, kSmall = 1e-4, kMaxDamping = 1e4;
-  GapSums at = sum_gaps(arches, exact, X, stage);
+  const std::vector<Request> requests = requests_at(arches, X);
+  GapSums at = sum_gaps(arches, exact, X, stage, requests);
   double damping = kSmall;
   for (int n = 0; n < stage.iterations; ++n) {
     if (at.facing < kMinFacing) return false;
@@ -226,7 +282,7 @@ bool minimize(const SearchedArches& arches, bool exact, const Stage& stage, Rigi
     const RigidTransform next = geometry::rigid_motion(step.tail<3>(), step.head<3>() / kArch_mm,
                                                        X * arches.center_of_lower) *
                                 X;
-    const GapSums there = sum_gaps(arches, exact, next, stage);
+    const GapSums there = sum_gaps(arches, exact, next, stage, requests);
     const bool is_better = there.cost < at.cost;
     if (is_better) {
       X = next;
@@ -256,8 +312,19 @@ double distance_between(const RigidTransform& a, const RigidTransform& b, const 
   return max_mm;
 }
 
-std::vector<RigidTransform> starts_of(const ArchAxes& axes, const OcclusionOptions& options,
-                                      const Vec3& center) {
+/// In the occlusal plane, from the given position to where the requests hold.
+Vec3 requested_shift(const SearchedArches& arches) {
+  Vec3 shift = Vec3::Zero();
+  for (const Request& request : requests_at(arches, RigidTransform::Identity()))
+    if (std::abs(request.direction.dot(arches.axes.superior_L)) < 0.5)
+      shift -= request.off_mm(RigidTransform::Identity()) * request.direction;
+  return shift;
+}
+
+std::vector<RigidTransform> starts_of(const SearchedArches& arches,
+                                      const OcclusionOptions& options) {
+  const ArchAxes& axes = arches.axes;
+  const Vec3 requested = requested_shift(arches);
   const auto multiples = [](double spacing) {
     return spacing > 0.0 ? std::vector<double>{0.0, -1.0, 1.0, -2.0, 2.0}
                          : std::vector<double>{0.0};
@@ -267,16 +334,17 @@ std::vector<RigidTransform> starts_of(const ArchAxes& axes, const OcclusionOptio
     for (const double aside : multiples(options.shift_mm))
       for (const double yaw : multiples(options.yaw_deg))
         starts.push_back(geometry::rigid_motion(
-            options.shift_mm * (ahead * axes.anterior_L + aside * axes.left_L()),
-            radians_from_degrees(yaw * options.yaw_deg) * axes.superior_L, center));
+            requested + options.shift_mm * (ahead * axes.anterior_L + aside * axes.left_L()),
+            radians_from_degrees(yaw * options.yaw_deg) * axes.superior_L, arches.center_of_lower));
   return starts;
 }
 
 /// Ends of the first stages, each once, within reach.
-Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches, const ArchAxes& axes,
+Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches,
                                                const std::vector<RigidTransform>& starts,
                                                Progress& progress) {
   constexpr double kSame_mm = 0.5;
+  const ArchAxes& axes = arches.axes;
   const Vec3& center = arches.center_of_lower;
   std::vector<RigidTransform> ends;
   for (std::size_t n = 0; n < starts.size(); ++n) {
@@ -299,24 +367,22 @@ struct SearchEnd {
   double cost = 0.0;
 };
 
-/// Compares ends by area within about this gap.
-constexpr Stage kCompared{1.5, 25.0, 0};
-
 /// The ends of the coarse search with the lowest costs, the lowest one first.
-Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches, const ArchAxes& axes,
+Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches,
                                            const OcclusionOptions& options, Progress& progress) {
+  const ArchAxes& axes = arches.axes;
   constexpr double kSame_mm = 0.2;
   constexpr std::size_t kRefined = 4;
   const Vec3& center = arches.center_of_lower;
   LEFORT_TRY(const std::vector<RigidTransform> firsts,
-             first_ends(arches, axes, starts_of(axes, options, center), progress));
+             first_ends(arches, starts_of(arches, options), progress));
   std::vector<SearchEnd> ends, kept;
   for (std::size_t n = 0; n < firsts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(0.5 + 0.5 * double(n) / double(firsts.size()));
     const auto end = minimize(arches, false, firsts[n], kCoarse);
     if (end && distance_between(*end, RigidTransform::Identity(), center, axes) <= kMaxMovement_mm)
-      ends.push_back({*end, sum_gaps(arches, false, *end, kCompared).cost});
+      ends.push_back({*end, compared_cost(arches, false, *end)});
   }
   std::stable_sort(ends.begin(), ends.end(),
                    [](const SearchEnd& a, const SearchEnd& b) { return a.cost < b.cost; });
@@ -330,11 +396,11 @@ Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches, const A
 }
 
 /// Refines the best ends with exact gaps. \returns that with the lowest cost.
-Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes,
-                              const OcclusionOptions& options, Progress& progress) {
+Result<RigidTransform> search(const SearchedArches& arches, const OcclusionOptions& options,
+                              Progress& progress) {
   std::vector<SearchEnd> ends(1);
   if (!options.is_close) {
-    LEFORT_TRY(ends, coarse_ends(arches, axes, options, progress));
+    LEFORT_TRY(ends, coarse_ends(arches, options, progress));
   }
   progress.begin_stage("refine the occlusion");
   std::optional<RigidTransform> best;
@@ -344,7 +410,7 @@ Result<RigidTransform> search(const SearchedArches& arches, const ArchAxes& axes
     const auto refined = options.is_close ? minimize(arches, true, end.X, kClose)
                                           : minimize(arches, true, end.X, kFine);
     if (!refined) continue;
-    const double cost = sum_gaps(arches, true, *refined, kCompared).cost;
+    const double cost = compared_cost(arches, true, *refined);
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = refined;
@@ -369,6 +435,17 @@ RigidTransform without_penetration(const Arches& arches, RigidTransform X, const
   return X;
 }
 
+Result<void> check(const OcclusionRequests& requests) {
+  for (const auto& [value, name] :
+       {std::pair(requests.overjet_mm, "overjet"), std::pair(requests.overbite_mm, "overbite"),
+        std::pair(requests.midline_mm, "midline")})
+    if (value && !(std::abs(*value) <= kMaxRequest_mm))
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the requested {} is {} mm, must be {:g} to {:g}", name, *value,
+                              -kMaxRequest_mm, kMaxRequest_mm));
+  return {};
+}
+
 }  // namespace
 
 Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
@@ -376,6 +453,7 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                                  Progress& progress) {
   LEFORT_TRY_VOID(check_arch(upper_L, "upper", -axes.superior_L));
   LEFORT_TRY_VOID(check_arch(lower_L, "lower", axes.superior_L));
+  LEFORT_TRY_VOID(check(options.requests));
   if (!(options.shift_mm >= 0.0 && options.shift_mm <= 5.0) ||
       !(options.yaw_deg >= 0.0 && options.yaw_deg <= 10.0))
     return fail(
@@ -384,10 +462,14 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                     options.shift_mm, options.yaw_deg));
   progress.begin_stage("search the occlusion");
   const Arches arches{Bvh(upper_L), Bvh(lower_L)};
-  const SearchedArches searched{SearchedArch(arches.upper, -axes.superior_L),
-                                SearchedArch(arches.lower, axes.superior_L), mean_vertex(lower_L),
-                                axes.superior_L};
-  LEFORT_TRY(const RigidTransform closed, search(searched, axes, options, progress));
+  SearchedArches searched{SearchedArch(arches.upper, -axes.superior_L),
+                          SearchedArch(arches.lower, axes.superior_L),
+                          mean_vertex(lower_L),
+                          axes,
+                          options.requests,
+                          0.0};
+  searched.lower_mm2 = area_of(searched.lower.few);
+  LEFORT_TRY(const RigidTransform closed, search(searched, options, progress));
   const double reach_mm = options.is_close ? kPieceReach_mm : kArchReach_mm;
   Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes, reach_mm),
                                       axes, reach_mm);

@@ -30,25 +30,6 @@ double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransfor
   return depths.empty() ? 0.0 : *std::max_element(depths.begin(), depths.end());
 }
 
-/// The most occlusal point of the anterior teeth beside the midline.
-Vec3 incisal_edge(const TriangleMesh& arch, const Vec3& occlusal, const ArchAxes& axes) {
-  constexpr double kFront_mm = 8.0, kCentral_mm = 8.0;
-  const Vec3 middle = mean_vertex(arch);
-  double front_mm = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : arch.vertices)
-    if (std::abs((p - middle).dot(axes.left_L())) < kCentral_mm)
-      front_mm = std::max(front_mm, p.dot(axes.anterior_L));
-  Vec3 edge = middle;
-  double best_mm = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : arch.vertices) {
-    if (std::abs((p - middle).dot(axes.left_L())) >= kCentral_mm) continue;
-    if (p.dot(axes.anterior_L) < front_mm - kFront_mm || p.dot(occlusal) <= best_mm) continue;
-    best_mm = p.dot(occlusal);
-    edge = p;
-  }
-  return edge;
-}
-
 /// Number of connected patches of vertices.
 Index count_patches(const TriangleMesh& mesh, const std::vector<char>& is_in) {
   TriangleMesh part{mesh.vertices, {}};
@@ -93,6 +74,24 @@ OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<doub
 }
 
 }  // namespace
+
+Vec3 incisal_edge(const TriangleMesh& arch, const Vec3& occlusal, const ArchAxes& axes) {
+  constexpr double kFront_mm = 8.0, kCentral_mm = 8.0;
+  const Vec3 middle = mean_vertex(arch);
+  double front_mm = -std::numeric_limits<double>::infinity();
+  for (const Vec3& p : arch.vertices)
+    if (std::abs((p - middle).dot(axes.left_L())) < kCentral_mm)
+      front_mm = std::max(front_mm, p.dot(axes.anterior_L));
+  Vec3 edge = middle;
+  double best_mm = -std::numeric_limits<double>::infinity();
+  for (const Vec3& p : arch.vertices) {
+    if (std::abs((p - middle).dot(axes.left_L())) >= kCentral_mm) continue;
+    if (p.dot(axes.anterior_L) < front_mm - kFront_mm || p.dot(occlusal) <= best_mm) continue;
+    best_mm = p.dot(occlusal);
+    edge = p;
+  }
+  return edge;
+}
 
 double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB, double reach_mm) {
   return std::max(penetration_mm(arches.lower, arches.upper, X_LB, kArchReach_mm),

@@ -42,6 +42,13 @@ struct Arches {
   geometry::Bvh upper, lower;
 };
 
+/// \param arch      in frame L.
+/// \param occlusal  unit vector from the arch to the other one.
+/// \returns the vertex of the anterior teeth beside the midline that is furthest along `occlusal`.
+/// \pre there are vertices.
+[[nodiscard]] Vec3 incisal_edge(const geometry::TriangleMesh& arch, const Vec3& occlusal,
+                                const ArchAxes& axes);
+
 /// Penetration is searched up to this depth. Arches are open: behind the side of a tooth at the end
 /// of a piece (in the place of the lower arch), a point of the other arch looks as if it were
 /// inside.
