@@ -122,7 +122,11 @@ TEST(FindOcclusion, measures_incisors) {
   const Occlusion moved = measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {});
   EXPECT_NEAR(moved.overjet_mm, 2.0, 1e-9);
   EXPECT_NEAR(moved.overbite_mm - edge_to_edge.overbite_mm, 5.0, 1e-9);
-  X.translation() = Vec3(6.0, 0.0, 0.0);  // Another tooth is opposite.
+  X.translation() =
+      Vec3(6.0, 0.0, 0.0);  // Another tooth is opposite, its edge is lower or as high.
+  EXPECT_LE(measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {}).overbite_mm,
+            edge_to_edge.overbite_mm + 1e-9);
+  X.translation() = Vec3(70.0, 0.0, 0.0);  // Nothing is opposite.
   EXPECT_TRUE(std::isnan(measure_occlusion({Bvh(upper_L), Bvh(lower_L)}, X, {}).overjet_mm));
 }
 

@@ -144,9 +144,11 @@ std::vector<Request> requests_at(const SearchedArches& arches, const RigidTransf
     requests.push_back({wanted.lower_midline_L, axes.left_L(),
                         *wanted.midline_mm + axes.left_L().dot(wanted.upper_midline_L)});
   if (!wanted.overjet_mm && !wanted.overbite_mm) return requests;
-  const Vec3 upper = incisal_edge(arches.upper.surface->mesh(), -axes.superior_L, axes);
-  const TriangleMesh lower = geometry::transformed(arches.lower.surface->mesh(), X);
-  const Vec3 edge = X.inverse() * incisal_edge(lower, axes.superior_L, axes);
+  const auto edges = incisal_edges(arches.upper.surface->mesh(),
+                                   geometry::transformed(arches.lower.surface->mesh(), X), axes);
+  if (!edges) return requests;
+  const Vec3& upper = edges->upper_L;
+  const Vec3 edge = X.inverse() * edges->lower_L;
   if (wanted.overjet_mm)
     requests.push_back({edge, -axes.anterior_L, *wanted.overjet_mm - axes.anterior_L.dot(upper)});
   if (wanted.overbite_mm)

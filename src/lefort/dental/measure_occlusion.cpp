@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace lefort::dental {
 namespace {
@@ -75,22 +76,46 @@ OcclusalContacts contacts_of(const TriangleMesh& lower_L, const std::vector<doub
 
 }  // namespace
 
-Vec3 incisal_edge(const TriangleMesh& arch, const Vec3& occlusal, const ArchAxes& axes) {
-  constexpr double kFront_mm = 8.0, kCentral_mm = 8.0;
-  const Vec3 middle = mean_vertex(arch);
+namespace {
+
+/// Position along the left direction.
+struct Window {
+  double middle_mm = 0.0, half_width_mm = 0.0;
+};
+
+/// The vertex furthest along `occlusal` of the most anterior 8 mm within a window.
+std::optional<Vec3> edge_within(const TriangleMesh& arch, const Vec3& occlusal,
+                                const ArchAxes& axes, const Window& window) {
+  constexpr double kFront_mm = 8.0;
+  const auto is_in = [&](const Vec3& p) {
+    return std::abs(p.dot(axes.left_L()) - window.middle_mm) < window.half_width_mm;
+  };
   double front_mm = -std::numeric_limits<double>::infinity();
   for (const Vec3& p : arch.vertices)
-    if (std::abs((p - middle).dot(axes.left_L())) < kCentral_mm)
-      front_mm = std::max(front_mm, p.dot(axes.anterior_L));
-  Vec3 edge = middle;
+    if (is_in(p)) front_mm = std::max(front_mm, p.dot(axes.anterior_L));
+  std::optional<Vec3> edge;
   double best_mm = -std::numeric_limits<double>::infinity();
   for (const Vec3& p : arch.vertices) {
-    if (std::abs((p - middle).dot(axes.left_L())) >= kCentral_mm) continue;
-    if (p.dot(axes.anterior_L) < front_mm - kFront_mm || p.dot(occlusal) <= best_mm) continue;
+    if (!is_in(p) || p.dot(axes.anterior_L) < front_mm - kFront_mm) continue;
+    if (p.dot(occlusal) <= best_mm) continue;
     best_mm = p.dot(occlusal);
     edge = p;
   }
   return edge;
+}
+
+}  // namespace
+
+std::optional<IncisalEdges> incisal_edges(const TriangleMesh& upper_L, const TriangleMesh& lower_L,
+                                          const ArchAxes& axes) {
+  constexpr double kCentral_mm = 8.0, kOpposite_mm = 4.0;
+  const auto upper = edge_within(upper_L, -axes.superior_L, axes,
+                                 {mean_vertex(upper_L).dot(axes.left_L()), kCentral_mm});
+  if (!upper) return std::nullopt;
+  const auto lower =
+      edge_within(lower_L, axes.superior_L, axes, {upper->dot(axes.left_L()), kOpposite_mm});
+  if (!lower) return std::nullopt;
+  return IncisalEdges{*upper, *lower};
 }
 
 double max_penetration_mm(const Arches& arches, const RigidTransform& X_LB, double reach_mm) {
@@ -105,14 +130,12 @@ Occlusion measure_occlusion(const Arches& arches, const RigidTransform& X_LB, co
   found.gaps_mm = gaps_of(arches, X_LB);
   found.contacts = contacts_of(arches.lower.mesh(), found.gaps_mm, axes);
   found.contacts.max_penetration_mm = max_penetration_mm(arches, X_LB, reach_mm);
-  const Vec3 between =
-      incisal_edge(arches.upper.mesh(), -axes.superior_L, axes) -
-      incisal_edge(geometry::transformed(arches.lower.mesh(), X_LB), axes.superior_L, axes);
-  constexpr double kOtherTooth_mm = 4.0;
-  const bool are_opposite = std::abs(between.dot(axes.left_L())) <= kOtherTooth_mm;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  found.overjet_mm = are_opposite ? between.dot(axes.anterior_L) : kUnknown;
-  found.overbite_mm = are_opposite ? -between.dot(axes.superior_L) : kUnknown;
+  const auto edges =
+      incisal_edges(arches.upper.mesh(), geometry::transformed(arches.lower.mesh(), X_LB), axes);
+  const Vec3 between = edges ? Vec3(edges->upper_L - edges->lower_L) : Vec3(Vec3::Zero());
+  found.overjet_mm = edges ? between.dot(axes.anterior_L) : kUnknown;
+  found.overbite_mm = edges ? -between.dot(axes.superior_L) : kUnknown;
   return found;
 }
 

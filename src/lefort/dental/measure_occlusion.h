@@ -5,6 +5,7 @@
 #include <lefort/core/types.h>
 #include <lefort/geometry/bvh.h>
 
+#include <optional>
 #include <vector>
 
 namespace lefort::dental {
@@ -29,8 +30,8 @@ inline constexpr double kMaxOcclusalPenetration_mm = 0.1;
 struct Occlusion {
   RigidTransform X_L_lower = RigidTransform::Identity();  ///< Movement of the lower arch.
   OcclusalContacts contacts;
-  /// Of the edges of the central incisors, upper relative to lower [mm]: to anterior and to
-  /// inferior (overbite), edge to edge; NaN if the edges found are not opposite.
+  /// Of incisal_edges(), upper relative to lower [mm]: to anterior and to inferior (overbite), edge
+  /// to edge; NaN if there are none.
   double overjet_mm = 0.0, overbite_mm = 0.0;
   /// Gap of each vertex of the lower arch [mm], negative if it penetrates; NaN further than 3 mm
   /// from the upper one.
@@ -42,12 +43,19 @@ struct Arches {
   geometry::Bvh upper, lower;
 };
 
-/// \param arch      in frame L.
-/// \param occlusal  unit vector from the arch to the other one.
-/// \returns the vertex of the anterior teeth beside the midline that is furthest along `occlusal`.
-/// \pre there are vertices.
-[[nodiscard]] Vec3 incisal_edge(const geometry::TriangleMesh& arch, const Vec3& occlusal,
-                                const ArchAxes& axes);
+/// Edges of opposite incisors.
+struct IncisalEdges {
+  Vec3 upper_L, lower_L;
+};
+
+/// The upper edge is the vertex furthest to inferior of the most anterior 8 mm, within 8 mm of the
+/// middle of the arch; the lower one is that furthest to superior within 4 mm of the upper edge.
+///
+/// \param upper_L, lower_L  the arches, where they are.
+/// \returns nothing if there is nothing opposite.
+[[nodiscard]] std::optional<IncisalEdges> incisal_edges(const geometry::TriangleMesh& upper_L,
+                                                        const geometry::TriangleMesh& lower_L,
+                                                        const ArchAxes& axes);
 
 /// Penetration is searched up to this depth. Arches are open: behind the side of a tooth at the end
 /// of a piece (in the place of the lower arch), a point of the other arch looks as if it were

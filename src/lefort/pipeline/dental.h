@@ -61,7 +61,7 @@ struct OcclusionJob {
   std::filesystem::path lower;  ///< Surface of the lower arch in frame L, at the start.
   /// arches.json of register_arches(), for the directions; without it those of the patient.
   std::optional<std::filesystem::path> arches;
-  dental::OcclusionOptions options;
+  dental::OcclusionOptions options;  ///< The midlines of its requests are those of `teeth`.
   /// Scans of the teeth in occlusion, from the cheek: the occlusion is theirs.
   std::vector<std::filesystem::path> bites;
   /// The occlusion is that of the files of the intraoral scans, which the scanner has exported in
@@ -70,7 +70,9 @@ struct OcclusionJob {
   /// Cuts of the upper arch between adjacent teeth, by their FDI numbers: pieces that are moved on
   /// their own to the occlusion with the lower arch. `teeth` is needed.
   std::vector<std::array<int, 2>> cuts;
-  std::optional<std::filesystem::path> teeth;  ///< teeth.json of number_teeth_of_scan().
+  /// teeth.json of number_teeth_of_scan(): for cuts, a requested midline, and the relations of
+  /// midlines, canines and molars. Both arches must lie where they are in the CT.
+  std::optional<std::filesystem::path> teeth;
   std::filesystem::path output;                ///< A folder; made if missing.
 };
 
@@ -84,6 +86,7 @@ struct OcclusionJob {
 ///   - the errors of io::read_surface(), dental::find_occlusion(), dental::register_bite() and
 ///     cut_arch();
 ///   - kInvalidArgument `arches` does not have the motions of both scans;
+///   - kAnatomyMissing  a midline is requested, and a central incisor is missing;
 ///   - kFileCorrupt     `arches` or `teeth` is not of its format;
 ///   - kFileUnwritable  a result cannot be written.
 [[nodiscard]] Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress);

@@ -109,6 +109,18 @@ void add_arches(CLI::App& command, std::filesystem::path& upper, std::filesystem
                      "without it they are those of the patient");
 }
 
+void add_requests(CLI::App& command, dental::OcclusionRequests& requests) {
+  const CLI::Range range(-dental::kMaxRequest_mm, dental::kMaxRequest_mm);
+  command
+      .add_option("--midline", requests.midline_mm,
+                  "Requested lower midline from the upper one, to the left [mm]; needs --teeth")
+      ->check(range);
+  command.add_option("--overjet", requests.overjet_mm, "Requested overjet, edge to edge [mm]")
+      ->check(range);
+  command.add_option("--overbite", requests.overbite_mm, "Requested overbite, edge to edge [mm]")
+      ->check(range);
+}
+
 void add_occlusion(CLI::App& dental, CommandContext& context) {
   const auto job = std::make_shared<pipeline::OcclusionJob>();
   const auto cuts = std::make_shared<std::vector<std::string>>();
@@ -137,7 +149,10 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
                    "its own occlusion; may be repeated once")
       ->allow_extra_args(false)
       ->check(number_pair('-'));
-  command->add_option("--teeth", job->teeth, "teeth.json of `lefort dental teeth`, for --cut");
+  command->add_option("--teeth", job->teeth,
+                      "teeth.json of `lefort dental teeth`: relations of midlines, canines and "
+                      "molars; for --cut and --midline");
+  add_requests(*command, job->options.requests);
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the lower arch in occlusion, contacts and transform"),
             PathKind::kNewFolder)

@@ -62,9 +62,9 @@ Result<void> write_tooth_corrections(const fs::path& file,
       file, nlohmann::json{{"lefort_tooth_corrections", 1}, {"corrections", list}}.dump(1) + "\n");
 }
 
-Result<std::map<int, Vec3>> read_crowns(const fs::path& file) {
+Result<dental::NumberedCrowns> read_crowns(const fs::path& file) {
   LEFORT_TRY(const nlohmann::json list, list_in(file, "lefort_teeth", "teeth"));
-  std::map<int, Vec3> crowns;
+  dental::NumberedCrowns crowns;
   for (const nlohmann::json& one : list) {
     const int fdi = number_in(one, "fdi");
     if (!dental::is_fdi_number(fdi) || !one.contains("crown") || !one["crown"].is_array() ||
@@ -76,7 +76,10 @@ Result<std::map<int, Vec3>> read_crowns(const fs::path& file) {
       if (!value.is_number()) return corrupt_teeth(file, "the position of a crown is not a number");
       at_L[axis] = value.get<double>();
     }
-    if (!at_L.allFinite() || !crowns.emplace(fdi, at_L).second)
+    const auto width = one.find("width_mm");
+    if (width == one.end() || !width->is_number() || !(width->get<double>() >= 0.0))
+      return corrupt_teeth(file, fmt::format("tooth {} needs a positive `width_mm`", fdi));
+    if (!at_L.allFinite() || !crowns.emplace(fdi, dental::Crown{at_L, width->get<double>()}).second)
       return corrupt_teeth(file, fmt::format("tooth {} is there twice, or not finite", fdi));
   }
   return crowns;

@@ -3,11 +3,10 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/core/types.h>
+#include <lefort/dental/occlusal_relations.h>
 #include <lefort/dental/renumber_teeth.h>
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,8 +27,7 @@ namespace lefort::pipeline {
 
 /// Reads teeth.json.
 ///
-/// \returns the center of each crown in L, by FDI number; or the errors of io::read_text(), or
-///   kFileCorrupt.
-[[nodiscard]] Result<std::map<int, Vec3>> read_crowns(const std::filesystem::path& file);
+/// \returns the crowns; or the errors of io::read_text(), or kFileCorrupt.
+[[nodiscard]] Result<dental::NumberedCrowns> read_crowns(const std::filesystem::path& file);
 
 }  // namespace lefort::pipeline
