@@ -47,11 +47,23 @@ TEST(DentalCommand, finds_the_occlusion_and_makes_a_splint) {
   EXPECT_NEAR(movement.at("superior_mm").get<double>(), 3.0, 0.15);
   EXPECT_NEAR(movement.at("rotation_deg").get<double>(), 0.0, 0.3);
   EXPECT_TRUE(fs::exists(occlusion / "lower_to_occlusion.tfm"));
+  EXPECT_TRUE(closed.out.find("requests") == std::string::npos ||
+              nlohmann::json::parse(closed.out).at("requests").empty());
 
-  const auto made = run_lefort("dental splint " + arches_of(folder.path()) +
-                               " --voxel 0.3 --json --quiet -o '" + splint.string() + "'");
+  const auto made =
+      run_lefort("dental splint " + arches_of(folder.path()) +
+                 " --voxel 0.3 --text 'A&B 1' --json --quiet -o '" + splint.string() + "'");
   ASSERT_EQ(made.exit_code, 0) << made.error;
   const auto json = nlohmann::json::parse(made.out);
+  EXPECT_EQ(json.at("text"), "A&B 1");
+  EXPECT_TRUE(fs::exists(splint / "splint.3mf"));
+  for (const char* const text : {"longer than 16 letters", "   ", "two\nlines"})
+    EXPECT_EQ(run_lefort("dental splint " + arches_of(folder.path()) + " --quiet --text '" + text +
+                         "' -o '" + (folder.path() / "none").string() + "'")
+                  .exit_code,
+              1)
+        << text;
+  EXPECT_FALSE(fs::exists(folder.path() / "none"));
   EXPECT_GT(json.at("min_thickness_mm").get<double>(), 1.5);
   EXPECT_LT(json.at("upper").at("max_penetration_mm").get<double>(), 0.05);  // Voxels of 0.3 mm.
   const auto surface = io::read_surface(splint / "splint.stl");
@@ -89,6 +101,10 @@ TEST(DentalCommand, takes_the_occlusion_of_the_scanner_and_cuts_the_upper_arch) 
   for (const int fdi : {17, 16, 15, 14, 13, 12, 11, 21, 22, 23, 24, 25, 26, 27}) {
     const double t = (fdi < 20 ? -1.0 : 1.0) * (fdi % 10 - 0.5) / 7.0;
     teeth.push_back({{"fdi", fdi}, {"crown", {27.0 * t, 42.0 * t * t, 4.0}}});
+    // Lower teeth opposite the upper ones, whose file is 3 mm below.
+    teeth.push_back({{"fdi", fdi < 20 ? fdi + 30 : fdi + 10},
+                     {"crown", {27.0 * t, 42.0 * t * t, 1.0}},
+                     {"width_mm", 8.0}});
   }
   ASSERT_TRUE(io::write_text(folder.path() / "teeth.json",
                              nlohmann::json{{"lefort_teeth", 1}, {"teeth", teeth}}.dump()));
@@ -103,6 +119,11 @@ TEST(DentalCommand, takes_the_occlusion_of_the_scanner_and_cuts_the_upper_arch) 
   const auto json = nlohmann::json::parse(done.out);
   EXPECT_NEAR(json.at("movement").at("superior_mm").get<double>(), 3.0, 1e-9);
   EXPECT_EQ(json.at("source"), "as the files were scanned");
+  EXPECT_NEAR(json.at("relations").at("midline_mm").get<double>(), 0.0, 1e-9);
+  // The distal end of the lower canine is half a width behind the upper one, along the arch.
+  EXPECT_NEAR(json.at("relations").at("right_canine").at("mesial_mm").get<double>(), -4.0, 1e-9);
+  EXPECT_EQ(json.at("relations").at("left_canine").at("class"), "II");
+  EXPECT_TRUE(json.at("relations").at("left_molar").at("class").is_null());  // Width unknown.
   ASSERT_EQ(json.at("pieces").size(), 2U);
   for (const auto& piece : json.at("pieces")) {  // The arch was in occlusion.
     EXPECT_NEAR(piece.at("movement").at("superior_mm").get<double>(), 0.0, 0.15);
@@ -119,6 +140,9 @@ TEST(DentalCommand, takes_the_occlusion_of_the_scanner_and_cuts_the_upper_arch) 
   const std::string plain = "dental occlusion " + arches_of(folder.path()) + " --quiet ";
   refused(plain + "--as-scanned", 1, "--as-scanned needs --arches");
   refused(command + "--as-scanned --cut 11-21", 1, "--cut needs --teeth");
+  refused(command + "--midline 1", 1, "--midline needs --teeth");
+  refused(command + "--as-scanned --overjet 1", 1, "are for a search");
+  refused(command + "--overjet 11", 2, "--overjet");
   refused(command + "--cut eleven", 2, "NUMBER-NUMBER");
   refused(command + "--as-scanned --cut 11-13 --teeth " + given("teeth.json"), 1,
           "are not two adjacent upper teeth");

@@ -1,11 +1,13 @@
 #include <lefort/core/parallel.h>
 #include <lefort/dental/splint.h>
+#include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/transform_mesh.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -68,17 +70,76 @@ Vec3 size_of(const SplintOptions& options) {
 }
 
 TEST(Splint, follows_its_options) {
-  const Vec3 size = size_of({.voxel_mm = 0.3});
-  const Vec3 wide = size_of({.wall_mm = 4.5, .voxel_mm = 0.3});
+  const Vec3 size = size_of({.rim_mm = 2.5, .edge_mm = 0.0, .voxel_mm = 0.3});
+  const Vec3 wide = size_of({.wall_mm = 4.5, .rim_mm = 4.5, .edge_mm = 0.0, .voxel_mm = 0.3});
   EXPECT_NEAR(wide.x() - size.x(), 4.0, 0.3);  // 2 mm on both sides.
   EXPECT_NEAR(wide.y() - size.y(), 4.0, 0.3);
   EXPECT_NEAR(wide.z() - size.z(), 0.0, 1.0);  // No rim far beyond the cover.
-  const Vec3 high = size_of({.cover_mm = 4.0, .voxel_mm = 0.3});
+  const Vec3 high = size_of({.cover_mm = 4.0, .rim_mm = 2.5, .edge_mm = 0.0, .voxel_mm = 0.3});
   EXPECT_NEAR(high.z() - size.z(), 3.0, 0.5);  // 1.5 mm over both arches.
   const auto loose =
       make_splint(upper_arch(), lower_arch(), {}, {.clearance_mm = 0.3, .voxel_mm = 0.3});
   ASSERT_TRUE(loose);
   EXPECT_NEAR(loose->lower.median_mm, 0.3, 0.05);
+}
+
+/// Volume of a splint [ml].
+double volume_of(const SplintOptions& options) {
+  const auto splint = make_splint(upper_arch(), lower_arch(), {}, options);
+  EXPECT_TRUE(splint) << splint.error().message;
+  return splint ? splint->volume_ml : 0.0;
+}
+
+TEST(Splint, has_a_rim_and_round_edges) {
+  const double plain = volume_of({.rim_mm = 2.5, .edge_mm = 0.0, .voxel_mm = 0.3});
+  const double thin = volume_of({.rim_mm = 1.2, .edge_mm = 0.0, .voxel_mm = 0.3});
+  const double round = volume_of({.rim_mm = 2.5, .edge_mm = 1.2, .voxel_mm = 0.3});
+  // Four walls (two arches, two sides) along 120 mm of arch lose 1.3 mm over most of 2.5 mm.
+  EXPECT_GT(plain - thin, 4.0 * 0.12 * 1.3 * 1.0);
+  EXPECT_LT(plain - thin, 4.0 * 0.12 * 1.3 * 2.5);
+  // Four edges lose (1 - pi / 4) r^2 each.
+  const double lost_ml = 4.0 * 0.12 * 0.2146 * 1.2 * 1.2;
+  EXPECT_NEAR(plain - round, lost_ml, 0.5 * lost_ml);
+  EXPECT_FALSE(make_splint(upper_arch(), lower_arch(), {}, {.rim_mm = 2.6}));
+  EXPECT_FALSE(make_splint(upper_arch(), lower_arch(), {}, {.rim_mm = 2.0, .edge_mm = 1.1}));
+}
+
+/// A bar of 8 by 2 mm, and one of 1 by 2 mm at the end.
+TextMask two_bars() {
+  TextMask mask{120, 20, 0.1, std::vector<float>(120 * 20, 0.0F)};
+  for (Index row = 0; row < 20; ++row)
+    for (Index column = 0; column < 120; ++column)
+      if (column < 80 || column >= 110) mask.coverage[std::size_t(column + 120 * row)] = 1.0F;
+  return mask;
+}
+
+TEST(Splint, has_engraved_text) {
+  const auto plain = make_splint(upper_arch(), lower_arch(), {}, {});
+  const auto engraved = make_splint(upper_arch(), lower_arch(), {}, {.text = two_bars()});
+  ASSERT_TRUE(plain && engraved) << engraved.error().message;
+  EXPECT_TRUE(geometry::is_closed(engraved->surface_L));
+  EXPECT_EQ(geometry::euler_characteristic(engraved->surface_L), 2);
+  // 18 mm^2, 0.6 mm deep.
+  EXPECT_NEAR(plain->volume_ml - engraved->volume_ml, 0.0108, 0.002);
+  // From the front the text reads from the patient's right to left: two thirds of it are on the
+  // right of its middle.
+  std::vector<double> across;
+  const geometry::Bvh before(plain->surface_L);
+  for (const Vec3& p : engraved->surface_L.vertices)
+    if ((before.closest_point(p)->point - p).norm() > 0.5) across.push_back(p.x());
+  ASSERT_GT(across.size(), 100U);
+  const auto [right, left] = std::minmax_element(across.begin(), across.end());
+  const double middle = 0.5 * (*right + *left);
+  const auto count =
+      std::count_if(across.begin(), across.end(), [&](double x) { return x < middle; });
+  EXPECT_GT(double(count), 0.58 * double(across.size()));
+  EXPECT_NEAR(middle, 0.0, 3.0);
+  EXPECT_EQ(plain->upper.median_mm, engraved->upper.median_mm);
+  TextMask tall = two_bars();
+  tall.pixel_mm = 1.5;  // 30 mm high.
+  const auto refused = make_splint(upper_arch(), lower_arch(), {}, {.text = tall});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
 /// Crowns that bulge by 1 mm below their edge: an offset surface alone would lock there.

@@ -14,7 +14,7 @@ namespace lefort::dental {
 /// The crown of a tooth.
 struct Crown {
   Vec3 center_L = Vec3::Zero();
-  double width_mm = 0.0;  ///< Along the arch.
+  double width_mm = 0.0;  ///< Along the arch; NaN: unknown.
 };
 using NumberedCrowns = std::map<int, Crown>;  ///< By FDI number.
 

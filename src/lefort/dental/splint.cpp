@@ -28,6 +28,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCrownHeight_mm = 6.0;
 /// Cusps and the fissures between them lie within this distance.
 constexpr double kCusps_mm = 4.0;
+/// Depth of engraved letters.
+constexpr double kTextDepth_mm = 0.6;
 /// How far the splint reaches over the cusps of the other arch, where that overlaps this one.
 constexpr double kOver_mm = 2.0;
 
@@ -85,21 +87,26 @@ bool spans_arch(const Cover& cover, const BlockedSpace& space) {
 /// the occlusal plane. NaN: no body.
 struct BodyLimits {
   ColumnMap low, high, away;
+  ColumnMap low_cusps, high_cusps;  ///< Heights between which the wall is not a rim.
 };
 
 BodyLimits limits_of(const Cover& upper, const Cover& lower, const SplintOptions& options) {
   constexpr double kSmooth_mm = 1.5;
-  BodyLimits limits{lower.cusps, lower.cusps, lower.heights};
+  BodyLimits limits{lower.cusps, lower.cusps, lower.heights, lower.cusps, lower.cusps};
   for (std::size_t c = 0; c < limits.low.values.size(); ++c) {
     const double from_below = lower.cusps.values[c], from_above = -upper.cusps.values[c];
     limits.low.values[c] = std::fmin(from_below - options.cover_mm, from_above - kOver_mm);
     limits.high.values[c] = std::fmax(from_above + options.cover_mm, from_below + kOver_mm);
+    limits.low_cusps.values[c] = std::fmin(from_below, from_above);
+    limits.high_cusps.values[c] = std::fmax(from_below, from_above);
     const bool is_covered =
         !std::isnan(lower.heights.values[c]) || !std::isnan(upper.heights.values[c]);
     limits.away.values[c] = is_covered ? 0.0 : kInfinity;
   }
   limits.low = smoothed(limits.low, kSmooth_mm);
   limits.high = smoothed(limits.high, kSmooth_mm);
+  limits.low_cusps = smoothed(limits.low_cusps, kSmooth_mm);
+  limits.high_cusps = smoothed(limits.high_cusps, kSmooth_mm);
   const double spacing_mm = limits.away.spacing_mm, far_mm = options.wall_mm + 2.0 * spacing_mm;
   limits.away = filtered(limits.away, far_mm, [](double value, double other, double squared_mm) {
     return std::min(value, other + squared_mm);
@@ -155,9 +162,26 @@ Result<image::Grid> grid_between(const TriangleMesh& upper_L, const TriangleMesh
   return grid_in_box(grid.direction, box, options.voxel_mm);
 }
 
+/// Intersection of two bodies whose common edge has a radius. Both are given by the distance to
+/// their border, positive inside.
+double rounded_min(double a, double b, double radius) {
+  if (a >= radius || b >= radius) return std::min(a, b);
+  return radius - std::hypot(radius - a, radius - b);
+}
+
+/// Level of the body at a height of a column.
+double body_at(const BodyLimits& limits, Index i, Index j, double z, const SplintOptions& options) {
+  constexpr double kBlend_mm = 1.0;  // Over which the wall becomes a rim.
+  const double beyond_mm = std::max(limits.low_cusps.at(i, j) - z, z - limits.high_cusps.at(i, j));
+  const double part = std::clamp(beyond_mm / kBlend_mm, 0.0, 1.0);
+  const double wall_mm = options.wall_mm - part * (options.wall_mm - options.rim_mm);
+  return rounded_min(wall_mm - limits.away.at(i, j),
+                     std::min(z - limits.low.at(i, j), limits.high.at(i, j) - z), options.edge_mm);
+}
+
 /// Level of the splint: its body without both blocked spaces. Takes the place of that of `upper`.
 image::ScalarVolume level_of(BlockedSpace&& upper, const BlockedSpace& lower,
-                             const BodyLimits& limits, double wall_mm) {
+                             const BodyLimits& limits, const SplintOptions& options) {
   image::ScalarVolume level = std::move(upper.level);
   const image::Grid& grid = level.grid;
   parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
@@ -169,8 +193,8 @@ image::ScalarVolume level_of(BlockedSpace&& upper, const BlockedSpace& lower,
       const double low = limits.low.at(i, j), high = limits.high.at(i, j);
       const bool has_body = !is_outermost && !std::isnan(low) && !std::isnan(high);
       const double blocked = std::max(level.at(i, j, k), lower.level.at(i, j, k));
-      const double body = std::min({wall_mm - limits.away.at(i, j), z - low, high - z});
-      level.at(i, j, k) = has_body ? float(std::min(body, -blocked)) : -1.0F;
+      level.at(i, j, k) =
+          has_body ? float(std::min(body_at(limits, i, j, z, options), -blocked)) : -1.0F;
     }
   });
   return level;
@@ -202,8 +226,14 @@ Result<void> check(const SplintOptions& options) {
     return value >= low && value <= high;
   };
   if (in(options.clearance_mm, 0.0, 0.5) && in(options.cover_mm, 0.5, 6.0) &&
-      in(options.wall_mm, 1.0, 6.0) && in(options.voxel_mm, 0.1, 0.5))
-    return {};
+      in(options.wall_mm, 1.0, 6.0) && in(options.voxel_mm, 0.1, 0.5)) {
+    if (in(options.rim_mm, 1.0, options.wall_mm) && in(options.edge_mm, 0.0, 0.5 * options.rim_mm))
+      return {};
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the rim is {} mm and its edge {} mm: must be 1 to {} mm (the wall), "
+                            "and 0 to half of the rim",
+                            options.rim_mm, options.edge_mm, options.wall_mm));
+  }
   return fail(
       ErrorCode::kInvalidArgument,
       fmt::format("clearance {} mm, cover {} mm, wall {} mm, voxel {} mm: must be 0 to 0.5, "
@@ -259,8 +289,9 @@ Result<Splint> make_splint(const TriangleMesh& upper_L, const TriangleMesh& lowe
   if (std::isnan(splint.min_thickness_mm))
     return fail(ErrorCode::kInvalidArgument,
                 "no tooth is opposite another one along the superior direction");
-  LEFORT_TRY_VOID(
-      extract(level_of(std::move(upper), lower, limits, options.wall_mm), splint, progress));
+  image::ScalarVolume level = level_of(std::move(upper), lower, limits, options);
+  LEFORT_TRY_VOID(engrave_front(level, options.text, kTextDepth_mm));
+  LEFORT_TRY_VOID(extract(level, splint, progress));
   progress.begin_stage("fit of the splint");
   const Bvh surface(splint.surface_L);
   splint.upper =

@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
+#include <lefort/dental/engrave_text.h>
 #include <lefort/dental/insertion_fit.h>
 #include <lefort/dental/measure_occlusion.h>
 #include <lefort/geometry/triangle_mesh.h>
@@ -14,8 +15,11 @@ namespace lefort::dental {
 struct SplintOptions {
   double clearance_mm = 0.1;  ///< Between crowns and splint; 0 to 0.5.
   double cover_mm = 2.5;      ///< Height of the crowns that the splint covers; 0.5 to 6.
-  double wall_mm = 2.5;       ///< Beyond the covered crowns; 1 to 6.
+  double wall_mm = 2.5;       ///< Beyond the covered crowns, between the arches; 1 to 6.
+  double rim_mm = 2.0;        ///< The same beside the crowns; 1 to wall_mm.
+  double edge_mm = 0.8;       ///< Radius of its edges; 0 to half of rim_mm.
   double voxel_mm = 0.2;      ///< Of the grid; 0.1 to 0.5.
+  TextMask text = {};         ///< Engraved into its front.
 };
 
 /// A splint in frame L.
@@ -32,14 +36,16 @@ struct Splint {
 /// Makes a splint. Its body is what lies within wall_mm of the covered crowns in the occlusal
 /// plane, and between the cusps of both arches or up to cover_mm beyond them. Both arches, grown by
 /// the clearance, are removed from it together with all that would meet them while the splint is
-/// put on along the superior direction, so that it has no undercuts.
+/// put on along the superior direction, so that it has no undercuts. Beside the crowns, beyond the
+/// cusps of the arches, its wall is rim_mm. Edges are round, except those at the crowns.
 ///
 /// \param upper_L, lower_L  arches in the planned position, outward; open or closed.
 /// \param axes              of the arches.
 /// \returns the splint, or
 ///   - kInvalidArgument  an option is out of range; see check_arch(); the gap of the arches exceeds
 ///     20 mm, or they overlap by more; the grid would have more than 10^8 voxels; or the covered
-///     part spans less than 60 % of an arch, as if the directions were tilted;
+///     part spans less than 60 % of an arch, as if the directions were tilted; or the text has no
+///     space;
 ///   - kMeshInvalid      nothing is left of the body;
 ///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.

@@ -12,6 +12,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace lefort::pipeline {
@@ -99,14 +100,17 @@ struct SplintJob {
   /// `arches` move with the jaw they are of.
   std::optional<std::filesystem::path> upper_transform, lower_transform;
   double open_mm = 0.0;  ///< The lower arch is moved to inferior before.
-  dental::SplintOptions options;
-  std::filesystem::path output;  ///< A folder; made if missing.
+  dental::SplintOptions options;  ///< Its text is that of `text`.
+  std::string text;               ///< Engraved into the front; 16 letters or fewer. May be empty.
+  std::filesystem::path output;   ///< A folder; made if missing.
 };
 
-/// Makes a splint. Writes `splint.stl` and `splint.json`.
+/// Makes a splint. Writes `splint.stl`, `splint.3mf` and `splint.json`.
 ///
 /// \returns the summary, with warnings if the splint has several parts, holes, or is thinner
 ///   than 1 mm, or
+///   - kInvalidArgument the text is longer than 16 letters, or has control characters or blanks
+///     only;
 ///   - the errors of io::read_surface(), io::read_transform() and dental::make_splint();
 ///   - kFileCorrupt     `arches` is not of its format;
 ///   - kFileUnwritable  a result cannot be written.

@@ -177,8 +177,16 @@ void add_splint_options(CLI::App& command, dental::SplintOptions& options) {
       .add_option("--cover", options.cover_mm, "Height of the crowns that the splint covers [mm]")
       ->check(CLI::Range(0.5, 6.0))
       ->capture_default_str();
-  command.add_option("--wall", options.wall_mm, "Width beyond the covered crowns [mm]")
+  command
+      .add_option("--wall", options.wall_mm,
+                  "Width beyond the covered crowns, between the arches [mm]")
       ->check(CLI::Range(1.0, 6.0))
+      ->capture_default_str();
+  command.add_option("--rim", options.rim_mm, "Width beside the crowns [mm]")
+      ->check(CLI::Range(1.0, 6.0))
+      ->capture_default_str();
+  command.add_option("--edge", options.edge_mm, "Radius of the edges [mm]")
+      ->check(CLI::Range(0.0, 3.0))
       ->capture_default_str();
   command.add_option("--voxel", options.voxel_mm, "Resolution [mm]")
       ->check(CLI::Range(0.1, 0.5))
@@ -199,9 +207,10 @@ void add_splint(CLI::App& dental, CommandContext& context) {
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   add_splint_options(*command, job->options);
-  mark_path(
-      command->add_option("-o,--output", job->output, "Folder for splint.stl and splint.json"),
-      PathKind::kNewFolder)
+  command->add_option("--text", job->text, "Engraved into the front; 16 letters or fewer");
+  mark_path(command->add_option("-o,--output", job->output,
+                                "Folder for splint.stl, splint.3mf and splint.json"),
+            PathKind::kNewFolder)
       ->required();
   command->footer(
       "Example:\n"

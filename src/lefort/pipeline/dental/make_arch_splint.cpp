@@ -3,14 +3,18 @@
 #include <lefort/io/output_folder.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
+#include <lefort/io/write_3mf.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/dental.h>
 #include <lefort/pipeline/dental/arch_directions.h>
 #include <lefort/pipeline/dental/dental_json.h>
 #include <lefort/pipeline/json/json_values.h>
+#include <lefort/report/draw_letters.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -25,6 +29,31 @@ constexpr double kMinThickness_mm = 1.0;
 Result<RigidTransform> motion_in(const std::optional<fs::path>& transform) {
   if (!transform) return RigidTransform::Identity();
   return io::read_transform(*transform);
+}
+
+/// Letters of 3 mm: the capitals of the font are 0.73 em high.
+Result<dental::TextMask> text_mask(const std::string& text) {
+  constexpr double kPixel_mm = 0.1, kLetters_mm = 3.0, kCapitals = 0.73;
+  constexpr std::size_t kMaxLetters = 16;
+  if (text.empty()) return dental::TextMask();
+  const auto letters = std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // Not a continuation in UTF-8.
+  });
+  const bool has_control = std::any_of(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+  });
+  if (std::size_t(letters) > kMaxLetters || has_control)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the text has {} letters{}, must be {} or fewer on one line", letters,
+                            has_control ? " with control characters" : "", kMaxLetters));
+  LEFORT_TRY(const report::Picture drawn,
+             report::draw_letters(text, kLetters_mm / kCapitals / kPixel_mm));
+  dental::TextMask mask{drawn.width, drawn.height, kPixel_mm, {}};
+  mask.coverage.reserve(std::size_t(mask.width * mask.height));
+  for (int row = 0; row < drawn.height; ++row)
+    for (int column = 0; column < drawn.width; ++column)
+      mask.coverage.push_back(1.0F - float(drawn.pixel(column, row)[0]) / 255.0F);
+  return mask;
 }
 
 /// The directions, moved with the jaw they are of.
@@ -75,11 +104,15 @@ Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
   X_lower.translation() -= job.open_mm * axes.superior_L;
   upper_L = geometry::transformed(upper_L, X_upper);
   lower_L = geometry::transformed(lower_L, X_lower);
+  dental::SplintOptions options = job.options;
+  LEFORT_TRY(options.text, text_mask(job.text));
   LEFORT_TRY(const dental::Splint splint,
-             dental::make_splint(upper_L, lower_L, axes, job.options, progress));
+             dental::make_splint(upper_L, lower_L, axes, options, progress));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path file = job.output / "splint.stl";
   LEFORT_TRY_VOID(io::write_surface(file, splint.surface_L));
+  const std::string title = job.text.empty() ? "splint" : fmt::format("splint {}", job.text);
+  LEFORT_TRY_VOID(io::write_3mf(job.output / "splint.3mf", splint.surface_L, title));
   Summary summary;
   summary.json = {{"lefort_splint", 1},
                   {"notice", kNotForClinicalUse},
@@ -87,6 +120,7 @@ Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
                   {"parts", splint.parts},
                   {"min_thickness_mm", splint.min_thickness_mm},
                   {"open_mm", job.open_mm},
+                  {"text", job.text},
                   {"upper_pose_4x4_row_major_mm_lps", as_json(X_upper)},
                   {"lower_pose_4x4_row_major_mm_lps", as_json(X_lower)},
                   {"upper", fit_json(splint.upper)},

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace lefort::pipeline {
@@ -77,9 +78,11 @@ Result<dental::NumberedCrowns> read_crowns(const fs::path& file) {
       at_L[axis] = value.get<double>();
     }
     const auto width = one.find("width_mm");
-    if (width == one.end() || !width->is_number() || !(width->get<double>() >= 0.0))
-      return corrupt_teeth(file, fmt::format("tooth {} needs a positive `width_mm`", fdi));
-    if (!at_L.allFinite() || !crowns.emplace(fdi, dental::Crown{at_L, width->get<double>()}).second)
+    if (width != one.end() && (!width->is_number() || !(width->get<double>() >= 0.0)))
+      return corrupt_teeth(file, fmt::format("the `width_mm` of tooth {} is not positive", fdi));
+    const double width_mm =
+        width == one.end() ? std::numeric_limits<double>::quiet_NaN() : width->get<double>();
+    if (!at_L.allFinite() || !crowns.emplace(fdi, dental::Crown{at_L, width_mm}).second)
       return corrupt_teeth(file, fmt::format("tooth {} is there twice, or not finite", fdi));
   }
   return crowns;
