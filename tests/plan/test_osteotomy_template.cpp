@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "support/shapes.h"
 
 namespace lefort::plan::test_osteotomy_template {
@@ -120,6 +124,75 @@ TEST(OsteotomyTemplate, FollowsARotatedHead) {
     for (std::size_t i = 0; i < here.planes.size(); ++i)
       EXPECT_LT((X.linear() * here.planes[i].normal_L - there.planes[i].normal_L).norm(), 1e-9);
   }
+}
+
+/// A canal that descends along the line from Go to L6, medial to it.
+NerveCanal canal_at(double side, double inside_mm, double top_mm) {
+  NerveCanal canal{{}, 1.5};
+  for (const double along_mm : {0.0, 8.0, 16.0, 30.0})
+    canal.line_L.emplace_back(side * (45.0 - 0.8 * inside_mm - 0.6 * along_mm),
+                              -10.0 + 0.6 * inside_mm - 0.8 * along_mm,
+                              std::max(top_mm - along_mm, -56.0));
+  return canal;
+}
+
+/// Distance of the wall of a canal from split and medial cut, posterior to the buccal cut.
+double distance_of(const Osteotomy& cut, const NerveCanal& canal, bool is_left) {
+  const CutPlane& buccal = cut.planes[is_left ? 1 : 0];
+  const auto& region = cut.additional_regions[is_left ? 0 : 1].planes;
+  const CutPlane &split = region[is_left ? 1 : 0], &medial = region[is_left ? 2 : 1];
+  double distance_mm = 1e9;
+  for (std::size_t i = 0; i + 1 < canal.line_L.size(); ++i)
+    for (double t = 0.0; t <= 1.0; t += 0.05) {
+      const Vec3 p = (1.0 - t) * canal.line_L[i] + t * canal.line_L[i + 1];
+      if (buccal.normal_L.dot(p - buccal.point_L) > 0.0) continue;
+      distance_mm = std::min({distance_mm, split.normal_L.dot(p - split.point_L),
+                              medial.normal_L.dot(p - medial.point_L)});
+    }
+  return distance_mm - canal.radius_mm;
+}
+
+TEST(OsteotomyTemplate, SagittalSplitKeepsTheCanalsFree) {
+  const NerveCanal right = canal_at(-1.0, 5.0, -40.0), left = canal_at(1.0, 6.0, -34.0);
+  const Osteotomy before = made(OsteotomyTemplate::kSagittalSplit);
+  EXPECT_LT(distance_of(before, right, false), 0.0);  // The split passes through it.
+  EXPECT_LT(distance_of(before, left, true), 0.0);
+  TemplateOptions options;
+  options.canals = {left, right};  // The side is that of its position.
+  const auto cut =
+      make_osteotomy(OsteotomyTemplate::kSagittalSplit, "s", head_landmarks(), options);
+  ASSERT_TRUE(cut) << cut.error().message;
+  EXPECT_NEAR(distance_of(*cut, right, false), 2.0, 0.05);
+  EXPECT_NEAR(distance_of(*cut, left, true), 2.0, 0.05);
+  for (const NerveCanal& canal : options.canals)
+    for (const Vec3& p : canal.line_L) EXPECT_TRUE(is_within(*cut, p)) << p.transpose();
+  // Canals that are far away change nothing.
+  options.canals = {canal_at(-1.0, 12.0, -45.0), canal_at(1.0, 12.0, -45.0)};
+  const auto same =
+      make_osteotomy(OsteotomyTemplate::kSagittalSplit, "s", head_landmarks(), options);
+  ASSERT_TRUE(same);
+  for (std::size_t n = 0; n < 3; ++n)
+    for (std::size_t k = 0; k < before.additional_regions[n].planes.size(); ++k)
+      EXPECT_EQ(same->additional_regions[n].planes[k].point_L,
+                before.additional_regions[n].planes[k].point_L);
+}
+
+TEST(OsteotomyTemplate, SagittalSplitRefusesCanalsThatCannotBeFree) {
+  const auto message_of = [](const std::vector<NerveCanal>& canals) {
+    TemplateOptions options;
+    options.canals = canals;
+    const auto cut =
+        make_osteotomy(OsteotomyTemplate::kSagittalSplit, "s", head_landmarks(), options);
+    return cut ? std::string() : cut.error().message;
+  };
+  EXPECT_NE(message_of({canal_at(-1.0, 4.0, -40.0), canal_at(1.0, 6.0, -40.0)})
+                .find("right canal lies too lateral"),
+            std::string::npos);
+  EXPECT_NE(message_of({canal_at(-1.0, 6.0, -40.0), canal_at(1.0, 6.0, -12.0)})
+                .find("left canal reaches"),
+            std::string::npos);
+  EXPECT_NE(message_of({canal_at(-1.0, 6.0, -40.0)}).find("there is no left canal"),
+            std::string::npos);
 }
 
 TEST(OsteotomyTemplate, ReportsAMissingLandmark) {

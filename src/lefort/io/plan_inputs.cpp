@@ -31,6 +31,8 @@ void visit_files(OrderedJson& plan, const Visit& visit_string) {
   for (OrderedJson& segment : plan["segments"]) {
     OrderedJson& osteotomy = segment["osteotomy"];
     visit_cuts(osteotomy);
+    if (osteotomy.contains("template") && osteotomy["template"].is_object())
+      visit(osteotomy["template"], "nerve");
     for (const char* regions : {"additional_regions", "also"})  // The latter is deprecated.
       if (osteotomy.contains(regions))
         for (OrderedJson& region : osteotomy[regions]) visit_cuts(region);

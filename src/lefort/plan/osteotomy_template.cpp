@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace lefort::plan {
@@ -128,29 +130,82 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
+/// The planes of one side of a sagittal split.
+struct SplitPlanes {
+  CutPlane before_buccal, medial, below;
+};
+
+/// Moves the split to lateral and the medial cut to superior until the canal of the side is as far
+/// from them as TemplateOptions requires.
+Result<void> keep_free(const NerveCanal& canal, const std::string& side, double clearance_mm,
+                       const Vec3& go, const Vec3& co, SplitPlanes& planes) {
+  constexpr double kMinDepth_mm = 1.0, kMaxMedialCut = 0.8;
+  const double free_mm = clearance_mm + canal.radius_mm;
+  double inside_mm = std::numeric_limits<double>::infinity(), below_mm = inside_mm;
+  for (const Vec3& p : canal.line_L) {
+    // Anterior to the buccal cut all bone belongs to the distal segment.
+    if (planes.before_buccal.normal_L.dot(p - planes.before_buccal.point_L) > free_mm) continue;
+    inside_mm = std::min(inside_mm, planes.medial.normal_L.dot(p - planes.medial.point_L));
+    below_mm = std::min(below_mm, planes.below.normal_L.dot(p - planes.below.point_L));
+  }
+  if (inside_mm < free_mm) planes.medial.point_L -= (free_mm - inside_mm) * planes.medial.normal_L;
+  if (below_mm < free_mm) planes.below.point_L -= (free_mm - below_mm) * planes.below.normal_L;
+  const double depth_mm = planes.medial.normal_L.dot(planes.medial.point_L - go);
+  if (!(depth_mm >= kMinDepth_mm))
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("the {} canal lies too lateral: {:g} mm from it the split would be "
+                            "{:.1f} mm medial to Go, must be {:g} or more; reduce "
+                            "nerve_clearance_mm or draw the cuts",
+                            side, clearance_mm, depth_mm, kMinDepth_mm));
+  const double height = (co - go).norm();
+  const double fraction = -planes.below.normal_L.dot(planes.below.point_L - go) / height;
+  if (!(fraction <= kMaxMedialCut))
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("the {} canal reaches too high: {:g} mm above it the medial cut would "
+                            "be at {:.0f} % of the way from Go to Co, must be {:.0f} or less",
+                            side, clearance_mm, 100.0 * fraction, 100.0 * kMaxMedialCut));
+  return {};
+}
+
+/// The canal on a side of the head; nothing if there is none.
+const NerveCanal* canal_at(std::span<const NerveCanal> canals, const Head& head,
+                           const Vec3& outwards) {
+  for (const NerveCanal& canal : canals) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : canal.line_L) middle += p / double(canal.line_L.size());
+    if (!canal.line_L.empty() && outwards.dot(middle - head.at("Me")) > 0.0) return &canal;
+  }
+  return nullptr;
+}
+
 ///   seen from the left, anterior to the left     The proximal segment is above the medial cut or
 ///                 ) Co                           lateral to the split, and posterior to the
 ///      medial cut -------\   proximal            buccal cut. The distal segment, which moves, is
 ///                        |                       on each side anterior to the buccal cut, or both
 ///      L6   | buccal cut | split medial to Go    below the medial cut and medial to the split.
 ///     -------------------/ Go
-Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
+Result<Osteotomy> sagittal_split(const Head& head, const TemplateOptions& options) {
   constexpr double kMedialCut = 0.5;    // Fraction of Go-Co, above the lingula.
   constexpr double kStagger_mm = 0.01;  // So that regions do not end in the same plane.
-  struct SplitPlanes {
-    CutPlane before_buccal, medial, below;
-  };
-  const auto side_of = [&](const char* side, const Vec3& outwards) {
+  const auto side_of = [&](const char* side, const char* words,
+                           const Vec3& outwards) -> Result<SplitPlanes> {
     const Vec3 go = head.at(std::string("Go") + side), co = head.at(std::string("Co") + side);
     const Vec3 molar = head.at(std::string("L6") + side);
     const Vec3 along = without(molar - go, head.up).normalized();
     Vec3 inwards = without(-outwards, along);
     inwards = without(inwards, head.up).normalized();
-    return SplitPlanes{{molar - options.behind_molar_mm * head.anterior, head.anterior},
+    SplitPlanes planes{{molar - options.behind_molar_mm * head.anterior, head.anterior},
                        {go + options.split_depth_mm * inwards, inwards},
                        {go + kMedialCut * (co - go), (go - co).normalized()}};
+    if (options.canals.empty()) return planes;
+    const NerveCanal* const canal = canal_at(options.canals, head, outwards);
+    if (canal == nullptr)
+      return fail(ErrorCode::kPlanInvalid, fmt::format("there is no {} canal", words));
+    LEFORT_TRY_VOID(keep_free(*canal, words, options.canal_clearance_mm, go, co, planes));
+    return planes;
   };
-  const SplitPlanes right = side_of("-R", -head.left), left = side_of("-L", head.left);
+  LEFORT_TRY(const SplitPlanes right, side_of("-R", "right", -head.left));
+  LEFORT_TRY(const SplitPlanes left, side_of("-L", "left", head.left));
   const auto widened = [&](CutRegion region, int times) {
     for (CutPlane& plane : region.planes) plane.point_L -= times * kStagger_mm * plane.normal_L;
     return region;
@@ -218,7 +273,11 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
   if (kind == OsteotomyTemplate::kLeFort2) cut = le_fort_2(head, options);
   if (kind == OsteotomyTemplate::kLeFort3) cut = le_fort_3(head, options);
   if (kind == OsteotomyTemplate::kGenioplasty) cut = genioplasty(head, options);
-  if (kind == OsteotomyTemplate::kSagittalSplit) cut = sagittal_split(head, options);
+  if (kind == OsteotomyTemplate::kSagittalSplit) {
+    Result<Osteotomy> split = sagittal_split(head, options);
+    if (!split) return bad(split.error().message);
+    cut = *std::move(split);
+  }
   if (!is_mandible) cut.anchor_points_L = {head.at("ANS")};
   cut.segment = segment;
   cut.procedure = kind;

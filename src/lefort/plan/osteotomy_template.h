@@ -2,7 +2,7 @@
 /// Standard osteotomies, positioned by landmarks. Described in docs/guide/osteotomies.md.
 ///
 /// They consist of planes, so they only approximate surgical osteotomy lines, and do not consider
-/// tooth roots or nerves: a starting point for planning, not a cutting guide.
+/// tooth roots: a starting point for planning, not a cutting guide.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -24,6 +24,12 @@ namespace lefort::plan {
 /// \returns the template of that name, nothing if there is none.
 [[nodiscard]] std::optional<OsteotomyTemplate> find_template(std::string_view name);
 
+/// The canal of an inferior alveolar nerve: a tube.
+struct NerveCanal {
+  std::vector<Vec3> line_L;
+  double radius_mm = 0.0;
+};
+
 /// Distances of the planes from the landmarks.
 struct TemplateOptions {
   /// Le Fort I: of the plane parallel to the palate, above ANS. Usually above the tooth roots; not
@@ -37,6 +43,11 @@ struct TemplateOptions {
   double above_pogonion_mm = 6.0;  ///< Genioplasty: of the anterior start of the cut, above Pg.
   double split_depth_mm = 5.0;     ///< Sagittal split: of the plane of the split, medial to Go.
   double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
+  /// Sagittal split: canals that stay in the distal segment, one on each side. The split is then at
+  /// most split_depth_mm deep, and the medial cut at least half-way from Go to Co. None: canals are
+  /// not considered.
+  std::vector<NerveCanal> canals{};
+  double canal_clearance_mm = 2.0;  ///< Between their walls and split or medial cut; 0 to 5.
 };
 
 /// Positions an osteotomy. Directions are anatomical: left by the pairs of landmarks, anterior by
@@ -48,7 +59,9 @@ struct TemplateOptions {
 /// \param options    distances from the landmarks.
 /// \returns the osteotomy; or kPlanInvalid if a landmark is missing, two landmarks are less than
 ///   1 mm apart, the landmarks do not determine the directions, or right and left, or anterior and
-///   posterior landmarks are exchanged (see patient_left_axis()).
+///   posterior landmarks are exchanged (see patient_left_axis()); or canals are given, and there is
+///   none on one side, or the split would be less than 1 mm deep, or the medial cut less than a
+///   fifth of the way from Co to Go.
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});

@@ -3,6 +3,7 @@
 #include <lefort/io/internal/read_segments.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/markups_file.h>
+#include <lefort/io/nerve_file.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/plan/condylar_axis.h>
 #include <lefort/plan/make_keyframes.h>
@@ -161,7 +162,8 @@ Result<plan::CutRegion> read_region(const Json& json, const std::string& key,
 }
 
 Result<plan::Osteotomy> from_template(const Json& json, const std::string& name,
-                                      const std::string& key, const Context& context) {
+                                      const std::string& key, double kerf_mm,
+                                      const Context& context) {
   const auto kind = plan::find_template(
       (json.is_string() ? json : json["kind"]).get<std::string>());  // The schema lists them.
   if (!kind) return bad(key, "there is no such template");
@@ -173,6 +175,15 @@ Result<plan::Osteotomy> from_template(const Json& json, const std::string& name,
     read(json, "above_pogonion_mm", options.above_pogonion_mm);
     read(json, "split_depth_mm", options.split_depth_mm);
     read(json, "behind_molar_mm", options.behind_molar_mm);
+    read(json, "nerve_clearance_mm", options.canal_clearance_mm);
+    options.canal_clearance_mm += kerf_mm;
+  }
+  if (json.is_object() && json.contains("nerve")) {
+    if (*kind != plan::OsteotomyTemplate::kSagittalSplit)
+      return bad(key + ".nerve", "is of the template sagittal-split");
+    LEFORT_TRY(const Nerves nerves, read_nerves(context.folder / json["nerve"].get<std::string>()));
+    for (const predict::NerveTube& tube : nerves.canals)
+      options.canals.push_back({tube.line_L, tube.radius_mm});
   }
   return plan::make_osteotomy(*kind, name, context.landmarks, options);
 }
@@ -193,7 +204,8 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
   }
   if (json.contains("template")) {
     if (has_cuts) return bad(key, "a template excludes planes, curves and additional_regions");
-    LEFORT_TRY(osteotomy, from_template(json["template"], name, key + ".template", context));
+    LEFORT_TRY(osteotomy, from_template(json["template"], name, key + ".template",
+                                        json.value("kerf_mm", 0.0), context));
   } else {
     if (!json.contains("planes") && !json.contains("curves"))
       return bad(key, "must have planes, curves, a template or a bone");

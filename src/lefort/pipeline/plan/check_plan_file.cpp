@@ -317,7 +317,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const io::PlanText plan_text, read_plan(job, progress));
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
-  LEFORT_TRY(const Nerves nerves, read_given_nerves(job.nerve, progress));
+  LEFORT_TRY(const io::Nerves nerves, read_given_nerves(job.nerve, progress));
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));

@@ -58,7 +58,7 @@ struct GuideHead {
   geometry::Bvh cut_faces;            ///< Of all cuts.
   anatomy::ToothMap teeth;
   std::optional<dental::NumberedTeeth> numbers;
-  Nerves nerves;
+  io::Nerves nerves;
 };
 
 struct NamedHole {
@@ -177,7 +177,7 @@ Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
   LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
   io::note_warnings(text.plan.warnings, progress);
   LEFORT_TRY_VOID(wanted_segments(text.plan, job.segment));
-  LEFORT_TRY(Nerves nerves, read_given_nerves(job.nerve, progress));
+  LEFORT_TRY(io::Nerves nerves, read_given_nerves(job.nerve, progress));
   LEFORT_TRY(const plan::HeadDirections directions, plan::head_directions(text.plan.landmarks));
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
   LEFORT_TRY(ScannedHead head, scan_head(text.plan, ct, cache, progress));
