@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 namespace lefort::plan {
@@ -131,14 +133,23 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
 }
 
 /// The planes of one side of a sagittal split.
+struct SplitPlane {
+  Vec3 point_L, normal_L;
+  [[nodiscard]] CutPlane cut() const { return {point_L, normal_L}; }
+};
 struct SplitPlanes {
-  CutPlane before_buccal, medial, below;
+  SplitPlane before_buccal, medial, below;
+};
+
+/// Landmarks of one side, and the superior direction.
+struct Ramus {
+  Vec3 go, co, up;
 };
 
 /// Moves the split to lateral and the medial cut to superior until the canal of the side is as far
 /// from them as TemplateOptions requires.
 Result<void> keep_free(const NerveCanal& canal, const std::string& side, double clearance_mm,
-                       const Vec3& go, const Vec3& co, SplitPlanes& planes) {
+                       const Ramus& ramus, SplitPlanes& planes) {
   constexpr double kMinDepth_mm = 1.0, kMaxMedialCut = 0.8;
   const double free_mm = clearance_mm + canal.radius_mm;
   double inside_mm = std::numeric_limits<double>::infinity(), below_mm = inside_mm;
@@ -150,21 +161,43 @@ Result<void> keep_free(const NerveCanal& canal, const std::string& side, double 
   }
   if (inside_mm < free_mm) planes.medial.point_L -= (free_mm - inside_mm) * planes.medial.normal_L;
   if (below_mm < free_mm) planes.below.point_L -= (free_mm - below_mm) * planes.below.normal_L;
-  const double depth_mm = planes.medial.normal_L.dot(planes.medial.point_L - go);
+  const double depth_mm = planes.medial.normal_L.dot(planes.medial.point_L - ramus.go);
   if (!(depth_mm >= kMinDepth_mm))
     return fail(ErrorCode::kPlanInvalid,
                 fmt::format("the {} canal lies too lateral: {:g} mm from it the split would be "
                             "{:.1f} mm medial to Go, must be {:g} or more; reduce "
                             "nerve_clearance_mm or draw the cuts",
                             side, clearance_mm, depth_mm, kMinDepth_mm));
-  const double height = (co - go).norm();
-  const double fraction = -planes.below.normal_L.dot(planes.below.point_L - go) / height;
+  const double height = (ramus.co - ramus.go).norm();
+  const double fraction = -planes.below.normal_L.dot(planes.below.point_L - ramus.go) / height;
   if (!(fraction <= kMaxMedialCut))
     return fail(ErrorCode::kPlanInvalid,
                 fmt::format("the {} canal reaches too high: {:g} mm above it the medial cut would "
                             "be at {:.0f} % of the way from Go to Co, must be {:.0f} or less",
                             side, clearance_mm, 100.0 * fraction, 100.0 * kMaxMedialCut));
   return {};
+}
+
+/// keep_free(), with the split turned about the vertical through Go by the smallest angle for which
+/// it is possible, up to 20 degrees.
+Result<SplitPlanes> turned_free(const NerveCanal& canal, const std::string& side,
+                                double clearance_mm, const Ramus& ramus,
+                                const SplitPlanes& planes) {
+  constexpr double kStep_rad = 2.0 * std::numbers::pi / 180.0;
+  constexpr int kSteps = 10;
+  std::optional<Error> first;
+  for (int step = 0; step <= kSteps; ++step)
+    for (const int sign : {1, -1}) {
+      if (step == 0 && sign < 0) continue;
+      const Eigen::AngleAxisd turn(sign * step * kStep_rad, ramus.up);
+      SplitPlanes turned = planes;
+      turned.medial.normal_L = turn * planes.medial.normal_L;
+      turned.medial.point_L = ramus.go + turn * (planes.medial.point_L - ramus.go);
+      const Result<void> is_free = keep_free(canal, side, clearance_mm, ramus, turned);
+      if (is_free) return turned;
+      if (!first) first = is_free.error();
+    }
+  return tl::unexpected(*first);
 }
 
 /// The canal on a side of the head; nothing if there is none.
@@ -201,8 +234,7 @@ Result<Osteotomy> sagittal_split(const Head& head, const TemplateOptions& option
     const NerveCanal* const canal = canal_at(options.canals, head, outwards);
     if (canal == nullptr)
       return fail(ErrorCode::kPlanInvalid, fmt::format("there is no {} canal", words));
-    LEFORT_TRY_VOID(keep_free(*canal, words, options.canal_clearance_mm, go, co, planes));
-    return planes;
+    return turned_free(*canal, words, options.canal_clearance_mm, {go, co, head.up}, planes);
   };
   LEFORT_TRY(const SplitPlanes right, side_of("-R", "right", -head.left));
   LEFORT_TRY(const SplitPlanes left, side_of("-L", "left", head.left));
@@ -211,10 +243,13 @@ Result<Osteotomy> sagittal_split(const Head& head, const TemplateOptions& option
     return region;
   };
   Osteotomy cut;
-  cut.planes = {right.before_buccal, left.before_buccal};
-  cut.additional_regions = {widened({{right.before_buccal, left.medial, left.below}, {}}, 1),
-                            widened({{right.medial, right.below, left.before_buccal}, {}}, 2),
-                            widened({{right.medial, right.below, left.medial, left.below}, {}}, 3)};
+  const CutPlane ahead_right = right.before_buccal.cut(), ahead_left = left.before_buccal.cut();
+  const CutPlane inside_right = right.medial.cut(), inside_left = left.medial.cut();
+  const CutPlane below_right = right.below.cut(), below_left = left.below.cut();
+  cut.planes = {ahead_right, ahead_left};
+  cut.additional_regions = {widened({{ahead_right, inside_left, below_left}, {}}, 1),
+                            widened({{inside_right, below_right, ahead_left}, {}}, 2),
+                            widened({{inside_right, below_right, inside_left, below_left}, {}}, 3)};
   cut.anchor_points_L = {head.at("Me")};
   return cut;
 }

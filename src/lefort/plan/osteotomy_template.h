@@ -44,7 +44,8 @@ struct TemplateOptions {
   double split_depth_mm = 5.0;     ///< Sagittal split: of the plane of the split, medial to Go.
   double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
   /// Sagittal split: canals that stay in the distal segment, one on each side. The split is then at
-  /// most split_depth_mm deep, and the medial cut at least half-way from Go to Co. None: canals are
+  /// most split_depth_mm deep, turned about the vertical through Go by up to 20 degrees if it would
+  /// be less than 1 mm deep, and the medial cut at least half-way from Go to Co. None: canals are
   /// not considered.
   std::vector<NerveCanal> canals{};
   double canal_clearance_mm = 2.0;  ///< Between their walls and split or medial cut; 0 to 5.
