@@ -12,6 +12,9 @@
 
 namespace lefort::pipeline {
 
+/// Format version of check.json.
+inline constexpr int kPlanCheckVersion = 2;
+
 struct LandmarksJob {
   std::filesystem::path before;                 ///< .mrk.json or .csv; empty with `find`.
   std::optional<std::filesystem::path> find;    ///< A scan in which the landmarks are found.

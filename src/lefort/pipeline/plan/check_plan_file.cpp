@@ -224,7 +224,7 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
                         {"max_gap_mm", support.max_gap_mm},
                         {"max_gap_at_mm", as_json(support.max_gap_L)}});
   }
-  return {{"lefort_plan_check", 2},
+  return {{"lefort_plan_check", kPlanCheckVersion},
           {"notice", kNotForClinicalUse},
           {"version", kVersion},
           {"limits",

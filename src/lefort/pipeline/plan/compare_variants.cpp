@@ -3,6 +3,7 @@
 #include <lefort/io/predicted_poses.h>
 #include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/worksheet.h>
 #include <lefort/pipeline/variants.h>
 #include <lefort/report/report_html.h>
@@ -67,6 +68,10 @@ Result<Variant> read_variant(const fs::path& folder, Progress& progress) {
   one.name = fs::absolute(folder).lexically_normal().filename().string();
   if (one.name.empty()) one.name = fs::absolute(folder).parent_path().filename().string();
   LEFORT_TRY(one.check, document(folder / "check/check.json", "lefort_plan_check"));
+  if (one.check["lefort_plan_check"] != kPlanCheckVersion)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the check of {} is of another version of lefort: check the plan again",
+                            one.name));
   const fs::path prediction = folder / "prediction/prediction.json";
   if (!fs::exists(prediction)) return one;
   LEFORT_TRY(nlohmann::json found, document(prediction, "lefort_prediction"));

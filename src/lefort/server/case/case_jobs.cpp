@@ -13,6 +13,7 @@
 #include <lefort/server/case/job_parts.h>
 #include <lefort/server/case/measure_jobs.h>
 #include <lefort/server/case/measure_stages.h>
+#include <lefort/server/case/variants.h>
 
 #include <fmt/format.h>
 
@@ -290,7 +291,8 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"nerve", "nerve", nerve_job},
                            {"guides", "guides", guides_job},
                            {"airway", "airway", airway_job},
-                           {"cephalogram", "cephalogram", cephalogram_job}};
+                           {"cephalogram", "cephalogram", cephalogram_job},
+                           {"variants", "variants", variants_job}};
 
 }  // namespace
 
