@@ -5,6 +5,10 @@ import type { Layout } from './view_events';
 /** Height of a caption below a picture. */
 const CAPTION_PX = 28;
 
+/** Width of a picture below which its name does not fit beside the buttons of the view, and a height below them. */
+const NARROW_PX = 200;
+const BELOW_BUTTONS_PX = 204;
+
 /** Draws the names of several pictures and the lines between them. */
 export function drawDivider(
   context: CanvasRenderingContext2D,
@@ -23,8 +27,9 @@ export function drawDivider(
   const pane = width / layout.panes.length;
   layout.panes.forEach(({ name }, n) => {
     // The name of the first is at its right end: banners are at its left.
-    if (n === 0) drawTag(context, name, pane - 12, 'right');
-    else drawTag(context, name, n * pane + 12, 'left');
+    const y = pane < NARROW_PX ? BELOW_BUTTONS_PX : undefined;
+    if (n === 0) drawTag(context, name, pane - 12, 'right', y);
+    else drawTag(context, name, n * pane + 12, 'left', y);
     if (n === 0) return;
     context.fillStyle = ink;
     context.globalAlpha = 0.25;

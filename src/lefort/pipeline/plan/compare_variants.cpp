@@ -145,6 +145,12 @@ std::vector<std::string> heads_of(const std::vector<Variant>& variants, const st
   return heads;
 }
 
+/// A name of a file, in words.
+std::string with_spaces(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 /// "5.0 forward, 2.9 up".
 std::string translation_in_words(const nlohmann::json& terms) {
   std::string text;
@@ -213,7 +219,7 @@ report::ReportTable result_table(const std::vector<Variant>& variants) {
     std::map<std::string, int> kinds;
     for (const nlohmann::json& finding :
          variants[n].check.value("findings", nlohmann::json::array()))
-      ++kinds[finding.value("kind", "finding")];
+      ++kinds[with_spaces(finding.value("kind", "finding"))];
     for (const auto& [kind, count] : kinds) rows.set("findings: " + kind, n, fmt::to_string(count));
     if (!variants[n].prediction) continue;
     const nlohmann::json skin = variants[n].prediction->value("skin", nlohmann::json::object());
@@ -245,8 +251,7 @@ Result<std::vector<report::ReportPicture>> pictures_of(const std::vector<Variant
   const bool has_faces = std::all_of(variants.begin(), variants.end(),
                                      [](const Variant& one) { return one.prediction.has_value(); });
   for (const char* const view : {"front", "right_profile", "right_three_quarter"}) {
-    std::string name = view;
-    std::replace(name.begin(), name.end(), '_', ' ');
+    const std::string name = with_spaces(view);
     if (has_faces)
       LEFORT_TRY_VOID(add_view(variants, fmt::format("prediction/pictures/after_{}.png", view),
                                "Predicted face, " + name, pictures));

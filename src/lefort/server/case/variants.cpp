@@ -339,13 +339,18 @@ Result<JobOutcome> variants_job(const JobContext& context, const JobRecord& job,
     const std::string name = one.is_string() ? one.get<std::string>() : std::string();
     if (!is_variant_name(name) || !there_is(variant_folder(folder, name) / kCheckDocument))
       return fail(ErrorCode::kFileNotFound, fmt::format("the case has no variant {}", name));
+    const fs::path of_variant = variant_folder(folder, name);
+    if (std::find(variants.folders.begin(), variants.folders.end(), of_variant) !=
+        variants.folders.end())
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the variant {} is named twice: name each once", name));
     const json described = describe_variant(folder, name);
     if (!described["why"].get<std::string>().empty())
       progress.note(
           fmt::format("warning: variant {}: {}", name, described["why"].get<std::string>()));
     if (described["has_prediction"] == false)
       progress.note(fmt::format("warning: variant {} has no predicted face", name));
-    variants.folders.push_back(variant_folder(folder, name));
+    variants.folders.push_back(of_variant);
   }
   variants.output = folder.side_by_side();
   LEFORT_TRY(const pipeline::Summary summary, pipeline::compare_variants(variants, progress));
