@@ -118,6 +118,32 @@ TEST_F(PlanCommand, MovementsAreWrittenInTheTermsOfASurgeon) {
   EXPECT_TRUE(sheet.starts_with("%PDF-"));
 }
 
+TEST_F(PlanCommand, SplintsAndGuidesAreListedInTheWorksheet) {
+  const auto sheet = [&] { return io::read_text(folder_ / "out/worksheet.pdf", 1 << 24).value(); };
+  ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+  const std::string without = sheet();
+  const json found = result();
+  for (const char* folder : {"intermediate", "final", "guides"}) {
+    fs::create_directories(folder_ / folder);
+    ASSERT_TRUE(io::write_text(folder_ / folder / "splint.stl", folder));
+  }
+  const std::string splints = "--no-pictures --splint " +
+                              quoted(folder_ / "intermediate/splint.stl") + " " +
+                              quoted(folder_ / "final/splint.stl");
+  ASSERT_EQ(check(plan(), splints).exit_code, 0);
+  const std::string two = sheet();
+  EXPECT_NE(two, without);
+  EXPECT_EQ(result(), found);
+  ASSERT_EQ(check(plan(), splints + " --guide " + quoted(folder_ / "guides/splint.stl")).exit_code,
+            0);
+  EXPECT_NE(sheet(), two);
+  const auto run = check(plan(), "--no-pictures --guide " + quoted(folder_ / "none.stl"));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find("none.stl"), std::string::npos) << run.error;
+  EXPECT_EQ(result(), found);  // The earlier check is kept.
+}
+
 /// The cut is the plane y = -5; the right canal runs parallel to it, the left one crosses it.
 TEST_F(PlanCommand, DistancesFromNervesAreReported) {
   json nerve = {{"lefort_nerve", 1}};

@@ -117,7 +117,8 @@ TEST(ServerContract, TheSchemasRejectWhatTheServerRejects) {
       {"PreviewFitRequest", {"POST", "/preview/fit"}},
       {"OsteotomyRequest", {"POST", "/osteotomies"}},
       {"ToothCorrections", {"PUT", "/teeth/corrections"}},
-      {"NervePoints", {"PUT", "/nerve/points"}}};
+      {"NervePoints", {"PUT", "/nerve/points"}},
+      {"VariantRequest", {"POST", "/variants"}}};
   int sent = 0;
   for (const fs::path& file : fixtures("invalid"))
     for (const auto& [schema, route] : routes) {
@@ -141,6 +142,7 @@ TEST(ServerContract, ResponsesOfAnEmptyCaseMatchTheContract) {
                                                           {"{surface}", "skin"},
                                                           {"{segment}", "front"},
                                                           {"{guide}", "chin_left"},
+                                                          {"{variant}", "one-jaw"},
                                                           {"{step}", "1"},
                                                           {"{values}", "difference"},
                                                           {"{file}", "plan.json"},

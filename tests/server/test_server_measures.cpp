@@ -490,6 +490,13 @@ TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {
   expect_failed({{"kind", "guides"}, {"segment", "maxilla"}}, "no segment 'maxilla'");
   expect_failed({{"kind", "guides"}, {"width_mm", 5}, {"hole_distance_mm", 15}}, "mm or more");
   EXPECT_EQ(stage("guides")["state"], "failed");
+  const json checked = api().run({{"kind", "check"}});
+  ASSERT_EQ(checked["state"], "done") << checked.dump(1);
+  EXPECT_NE(checked["lines"].dump().find("no canals of the nerves are known"), std::string::npos);
+  const auto file_of_check = [&](const char* name) {
+    return io::read_text(root() / "check" / name, 1 << 24).value();
+  };
+  const std::string check = file_of_check("check.json"), sheet = file_of_check("worksheet.pdf");
   const json job = api().run({{"kind", "guides"}, {"segment", "chin"}, {"thickness_mm", 2.5}});
   ASSERT_EQ(job["state"], "done") << job.dump(1);
   EXPECT_EQ(job["message"].get<std::string>().find("--"), std::string::npos) << job["message"];
@@ -506,6 +513,11 @@ TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {
   expect_files("guides", {"guides.json", "holes_before.mrk.json", "holes_after.mrk.json",
                           "guide_chin_middle.stl"});
   expect_surface("guides/chin_middle");
+  // The worksheet lists the guide; nothing becomes out of date by it.
+  ASSERT_EQ(api().run({{"kind", "check"}})["state"], "done");
+  EXPECT_NE(file_of_check("worksheet.pdf"), sheet);
+  EXPECT_EQ(file_of_check("check.json"), check);
+  EXPECT_EQ(stage("guides")["state"], "fresh");
   EXPECT_FALSE(fs::exists(root() / "guides/cache"));
   for (const char* name : {"chin_left", "chin_middle_0", "chin_middle_1234", "chin", "_left",
                            "chin_middlex", "..%2Fchin_middle"}) {
@@ -531,6 +543,8 @@ TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {
   EXPECT_EQ(stage("guides")["state"], "fresh");
   ASSERT_EQ(api().run({{"kind", "nerve"}})["state"], "done");
   EXPECT_EQ(stage("guides")["why"], "the canals of the nerves changed after this was computed");
+  const json with_canals = api().run({{"kind", "check"}});
+  EXPECT_EQ(with_canals["lines"].dump().find("no canals"), std::string::npos) << with_canals;
   json other = plan;
   other["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, -5, 2};
   ASSERT_EQ(api().put("/plan", other).status, 200);

@@ -26,6 +26,7 @@ const STAGES = [
   'guides',
   'airway',
   'cephalogram',
+  'variants',
 ] as const satisfies readonly (keyof Stages)[];
 
 const notReady = (): ApiError => new ApiError(409, 'not_ready', 'not ready');
@@ -58,6 +59,7 @@ class VersionedFile<T> {
 export class FakeServer {
   readonly plan = new VersionedFile<Plan>('plan');
   readonly landmarks = new VersionedFile<Record<string, readonly number[]>>('landmarks');
+  readonly kept = new Map<string, { plan: Plan; landmarks: Record<string, readonly number[]> | null }>();
   readonly surfaceEtags = new Map<string, string>();
   hasScan = true;
   jobList: Schemas['Job'][] = [];
@@ -128,7 +130,7 @@ export class FakeServer {
     return result();
   }
 
-  private async write<T>(name: string, result: () => T): Promise<T> {
+  private async write<T>(name: string, result: () => T | Promise<T>): Promise<T> {
     this.maxWriters = Math.max(this.maxWriters, ++this.writers);
     try {
       return await this.answer(name, result);
@@ -179,11 +181,43 @@ export class FakeServer {
     putBoundaryData: () => this.write('putBoundaryData', () => '"boundary-1"'),
     prediction: () => this.answer('prediction', () => Promise.reject<never>(notReady())),
     files: () => this.answer('files', () => []),
+    variants: () => this.answer('variants', () => this.variantList()),
+    sideBySide: () => this.answer('sideBySide', () => Promise.reject<never>(notReady())),
+    keepVariant: (name: string) =>
+      this.write('keepVariant', () => {
+        this.kept.set(name, { plan: this.plan.value!, landmarks: this.landmarks.value });
+        return this.variantList();
+      }),
+    loadVariant: (name: string, etag: string) =>
+      this.write('loadVariant', async () => {
+        await Promise.resolve(); // No request is answered at once.
+        const { plan, landmarks } = this.kept.get(name)!;
+        this.plan.put(plan, etag);
+        if (landmarks) this.landmarks.put(landmarks, '*');
+        this.sendStages(); // Before the reply.
+      }),
+    deleteVariant: (name: string) =>
+      this.write('deleteVariant', () => {
+        this.kept.delete(name);
+      }),
   };
 
   get client(): Client {
     const methods: Partial<Client> = this.methods;
     return methods as Client;
+  }
+
+  private variantList(): Schemas['VariantList'] {
+    const variants = [...this.kept].map(([name, { plan }]) => ({
+      name,
+      kept: '2026-01-01T00:00:00Z',
+      segments: plan.segments.map((segment) => segment.name),
+      findings: 0,
+      has_prediction: false,
+      is_current: plan === this.plan.value,
+      why: '',
+    }));
+    return { variants, max_variants: 12 };
   }
 
   private getLandmarks(): { value: Schemas['Landmarks']; etag: string } {

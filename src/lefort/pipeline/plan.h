@@ -9,8 +9,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace lefort::pipeline {
+
+/// Format version of check.json.
+inline constexpr int kPlanCheckVersion = 2;
 
 struct LandmarksJob {
   std::filesystem::path before;                 ///< .mrk.json or .csv; empty with `find`.
@@ -35,6 +40,13 @@ struct LandmarksJob {
 ///   - kFileUnwritable   an output cannot be written.
 [[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
 
+/// A splint or a cutting guide that belongs to a plan.
+struct PrintedPart {
+  std::string kind;  ///< "splint" or "guide".
+  std::filesystem::path file;
+  std::string name = {};  ///< As the worksheet names it; empty: folder and name of the file.
+};
+
 struct CheckPlanJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
@@ -42,6 +54,7 @@ struct CheckPlanJob {
   std::optional<std::filesystem::path> nerve = std::nullopt;  ///< nerve.json of trace_nerves().
   /// teeth_corrections.json of number_teeth_of_scan().
   std::optional<std::filesystem::path> tooth_corrections = std::nullopt;
+  std::vector<PrintedPart> printed = {};       ///< Listed in the worksheet; not checked.
   std::filesystem::path output;                ///< A folder; made if missing.
   std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
   predict::PlanLimits limits;
@@ -58,7 +71,7 @@ struct PlanCheckSummary {
 /// pictures, and the movements as planned_movements.csv and worksheet.pdf.
 ///
 /// \returns the summary, or
-///   - kFileNotFound     plan, scan or skull does not exist;
+///   - kFileNotFound     plan, scan, skull or a printed part does not exist;
 ///   - kPlanInvalid      the plan is invalid or names no scan, or as plan::cut_segments();
 ///   - kInvalidArgument  an input is a file that an earlier check has written, or an option of the
 ///     cut lies outside its range;

@@ -27,6 +27,7 @@ struct VariantsJob {
 ///     of different heads;
 ///   - kFileNotFound     a folder has no check/check.json;
 ///   - kFileCorrupt      a document is not of its format;
+///   - kFileUnsupported  a check is of another version;
 ///   - kFileUnwritable   a result cannot be written.
 [[nodiscard]] Result<Summary> compare_variants(const VariantsJob& job, Progress& progress);
 

@@ -131,6 +131,8 @@ export class Client {
   nervePoints = () => this.getIfTagged('NervePoints', '/nerve/points');
   guides = () => this.get('Guides', '/guides');
   airway = () => this.get('Airway', '/airway');
+  variants = () => this.get('VariantList', '/variants');
+  sideBySide = () => this.get('SideBySide', '/side-by-side');
   cephalogram = () => this.get('Cephalogram', '/cephalogram');
   stepRegions = (step: number) => this.get('RegionShifts', `/prediction/steps/${step}/regions`);
   files = async () => (await this.get('FileList', '/files')).files;
@@ -232,6 +234,20 @@ export class Client {
 
   async putLandmarks(landmarks: Schemas['Landmarks'], etag: string): Promise<string> {
     return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
+  }
+
+  /** Keeps the checked plan as a variant. */
+  async keepVariant(name: string): Promise<Schemas['VariantList']> {
+    return parse('VariantList', await (await this.json('POST', '/variants', { name })).json());
+  }
+
+  /** Makes a variant the plan of the case; `etag` is that of the plan to replace. */
+  async loadVariant(name: string, etag: string): Promise<void> {
+    await this.send('POST', `/variants/${encodeURIComponent(name)}/load`, { headers: { 'If-Match': etag } });
+  }
+
+  async deleteVariant(name: string): Promise<void> {
+    await this.send('DELETE', `/variants/${encodeURIComponent(name)}`);
   }
 
   /** Returns the new ETag; null if there are no corrections now. */

@@ -315,6 +315,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/surfaces/variants/{variant}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Predicted skin of a variant: LFSURF1 binary */
+        get: operations["getVariantSurface"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/surfaces/segments/{segment}": {
         parameters: {
             query?: never;
@@ -744,6 +761,75 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/variants": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The variants of the case. The predicted skin of each is the surface variants/NAME */
+        get: operations["getVariants"];
+        put?: never;
+        /** Keeps the checked plan as a variant, with its check, and its prediction if that is up to date. 409 while a job runs */
+        post: operations["postVariant"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/variants/{variant}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes a variant. 409 while a job runs */
+        delete: operations["deleteVariant"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/variants/{variant}/load": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Makes a variant the plan of the case again, with its landmarks, painted boundary, check and prediction. 409 while a job runs */
+        post: operations["postVariantLoad"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/side-by-side": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The variants that the job variants has put side by side */
+        get: operations["getSideBySide"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/values/{values}": {
         parameters: {
             query?: never;
@@ -856,6 +942,7 @@ export interface components {
                 guides: components["schemas"]["Stage"];
                 airway: components["schemas"]["Stage"];
                 cephalogram: components["schemas"]["Stage"];
+                variants: components["schemas"]["Stage"];
             };
             example_available: boolean;
             /** @description Kinds of jobs of this server. */
@@ -874,8 +961,12 @@ export interface components {
             bytes: number;
         };
         /** @enum {unknown} */
-        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "guides" | "airway" | "cephalogram";
+        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "guides" | "airway" | "cephalogram" | "variants";
         JobRequest: {
+            /** @constant */
+            kind: "variants";
+            names: string[];
+        } | {
             /** @constant */
             kind: "import";
             upload: string;
@@ -1161,6 +1252,39 @@ export interface components {
          * @enum {unknown}
          */
         ValuesName: "contact-pressure" | "contact-depth" | "difference";
+        VariantRequest: {
+            /** @description Not that of another variant of the case. */
+            name: string;
+        };
+        /** @description A named copy of a plan with its check. */
+        Variant: {
+            name: string;
+            /** @description When it was kept, UTC, ISO 8601; empty if it is damaged. */
+            kept: string;
+            segments: string[];
+            /** @description Number of findings of the check. */
+            findings: number;
+            has_prediction: boolean;
+            /** @description Whether it is the plan of the case, with its landmarks and painted boundary. */
+            is_current: boolean;
+            /** @description Why it cannot be loaded; empty if it can. */
+            why: string;
+        };
+        VariantList: {
+            variants: components["schemas"]["Variant"][];
+            /** @description Of a case. */
+            max_variants: number;
+        };
+        /** @description Of variants.json: rows of texts, with a column for each variant. */
+        SideBySide: {
+            notice: string;
+            variants: string[];
+            tables: {
+                title: string;
+                heads: string[];
+                rows: string[][];
+            }[];
+        };
         SurfaceList: {
             surfaces: {
                 /** @description For example skin or segments/midface. */
@@ -1704,7 +1828,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "airway_after.csv" | "airway_after.svg" | "guides.json" | "holes_before.mrk.json" | "holes_after.mrk.json" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "airway_after.csv" | "airway_after.svg" | "guides.json" | "holes_before.mrk.json" | "holes_after.mrk.json" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv" | "variants.html" | "variants.pdf" | "variants.csv" | "variants.json") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -2281,6 +2405,34 @@ export interface operations {
             path: {
                 /** @description Name of the guide in /guides. */
                 guide: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description Names of the scalar arrays, separated by commas. */
+                    "X-Lefort-Scalars"?: string;
+                    /** @description ETag of the current version, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getVariantSurface: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Name of the variant in /variants. */
+                variant: string;
             };
             cookie?: never;
         };
@@ -3016,6 +3168,124 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Cephalogram"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getVariants: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VariantList"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    postVariant: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VariantRequest"];
+            };
+        };
+        responses: {
+            /** @description Kept. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VariantList"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    deleteVariant: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Name of the variant in /variants. */
+                variant: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    postVariantLoad: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description ETag of the plan to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
+                "If-Match": string;
+            };
+            path: {
+                /** @description Name of the variant in /variants. */
+                variant: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Loaded. */
+            204: {
+                headers: {
+                    /** @description ETag of the plan, for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getSideBySide: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description ETag of the current version. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SideBySide"];
                 };
             };
             default: components["responses"]["Refused"];

@@ -20,4 +20,5 @@ export * from './store';
 export * from './teeth';
 export * from './uncertainty';
 export * from './units';
+export * from './variants';
 export * from './window';

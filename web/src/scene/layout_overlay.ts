@@ -5,7 +5,11 @@ import type { Layout } from './view_events';
 /** Height of a caption below a picture. */
 const CAPTION_PX = 28;
 
-/** Draws the names of two pictures and the line between them. */
+/** Width of a picture below which its name does not fit beside the buttons of the view, and a height below them. */
+const NARROW_PX = 200;
+const BELOW_BUTTONS_PX = 204;
+
+/** Draws the names of several pictures and the lines between them. */
 export function drawDivider(
   context: CanvasRenderingContext2D,
   layout: Layout,
@@ -13,15 +17,25 @@ export function drawDivider(
   ink: string,
 ): void {
   if (layout.mode === 'single') return;
-  const middle = layout.mode === 'wipe' ? width * layout.fraction : width / 2;
-  if (layout.mode === 'wipe') drawWipe(context, middle, height);
-  drawTag(context, layout.names[0], middle - 12, 'right');
-  drawTag(context, layout.names[1], middle + 12, 'left');
-  if (layout.mode === 'wipe') return;
-  context.fillStyle = ink;
-  context.globalAlpha = 0.25;
-  context.fillRect(width / 2 - 0.5, 0, 1, height);
-  context.globalAlpha = 1;
+  if (layout.mode === 'wipe') {
+    const middle = width * layout.fraction;
+    drawWipe(context, middle, height);
+    drawTag(context, layout.names[0], middle - 12, 'right');
+    drawTag(context, layout.names[1], middle + 12, 'left');
+    return;
+  }
+  const pane = width / layout.panes.length;
+  layout.panes.forEach(({ name }, n) => {
+    // The name of the first is at its right end: banners are at its left.
+    const y = pane < NARROW_PX ? BELOW_BUTTONS_PX : undefined;
+    if (n === 0) drawTag(context, name, pane - 12, 'right', y);
+    else drawTag(context, name, n * pane + 12, 'left', y);
+    if (n === 0) return;
+    context.fillStyle = ink;
+    context.globalAlpha = 0.25;
+    context.fillRect(n * pane - 0.5, 0, 1, height);
+    context.globalAlpha = 1;
+  });
 }
 
 /** Canvases on top of each other, with a line of text below them. */

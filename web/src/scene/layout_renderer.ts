@@ -15,7 +15,7 @@ export interface Size {
   height: number;
 }
 
-/** Renders the bodies of a layout: one picture, two with a divider, or two side by side. */
+/** Renders the bodies of a layout: one picture, two with a divider, or several side by side. */
 export class LayoutRenderer {
   private readonly renderer: WebGLRenderer;
   private readonly gl: WebGL2RenderingContext;
@@ -64,11 +64,10 @@ export class LayoutRenderer {
       renderer.setScissor(at, 0, width - at, height);
       this.renderOnly(layout.right);
     } else {
-      const half = Math.floor(width / 2);
-      this.rig.aspect = half / height;
+      const pane = Math.floor(width / layout.panes.length);
+      this.rig.aspect = pane / height;
       renderer.setScissorTest(true);
-      this.renderHalf(0, half, height, layout.left);
-      this.renderHalf(half, half, height, layout.right);
+      layout.panes.forEach(({ bodies }, n) => this.renderPane(n * pane, pane, height, bodies));
     }
   }
 
@@ -79,7 +78,7 @@ export class LayoutRenderer {
     this.gl.flush();
   }
 
-  private renderHalf(x: number, width: number, height: number, names: readonly string[]): void {
+  private renderPane(x: number, width: number, height: number, names: readonly string[]): void {
     this.renderer.setViewport(x, 0, width, height);
     this.renderer.setScissor(x, 0, width, height);
     this.renderOnly(names);

@@ -224,17 +224,23 @@ export function drawScale(
 }
 
 /** Draws the name of one side of a comparison. */
-export function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
+export function drawTag(
+  context: CanvasRenderingContext2D,
+  text: string,
+  x: number,
+  align: 'left' | 'right',
+  y = 44,
+): void {
   context.font = '600 12px "Inter Variable", sans-serif';
   context.textAlign = align;
   context.textBaseline = 'middle';
   const width = context.measureText(text).width;
   context.fillStyle = 'rgb(16 22 28 / 0.78)';
   context.beginPath();
-  context.roundRect(align === 'left' ? x - 8 : x - width - 8, 44, width + 16, 22, 6);
+  context.roundRect(align === 'left' ? x - 8 : x - width - 8, y, width + 16, 22, 6);
   context.fill();
   context.fillStyle = '#ffffff';
-  context.fillText(text, x, 55.5);
+  context.fillText(text, x, y + 11.5);
 }
 
 export function drawWipe(context: CanvasRenderingContext2D, x: number, height: number): void {

@@ -21,7 +21,7 @@ import { pickAlong } from './pick';
 import { PlaneMeshes } from './plane_meshes';
 import type { Projection } from './projection';
 import { drawsInSoftware } from './software';
-import type { BodyHit, Layout, Marker, View3dEvents } from './view_events';
+import { middleOfPane, paneCount, type BodyHit, type Layout, type Marker, type View3dEvents } from './view_events';
 
 type Point = [number, number];
 
@@ -178,12 +178,10 @@ export class View3d {
     this.rig.controls.update();
   }
 
-  /** The projection of the half that a point of the view lies in. */
+  /** The projection of the picture that a point of the view lies in. */
   private projection(x = 0): Projection {
     const { width, height } = this.size();
-    const isBeside = this.layout_.mode === 'beside';
-    const middle = !isBeside ? width / 2 : x < width / 2 ? width / 4 : (3 * width) / 4;
-    return this.rig.projection(height, [middle, height / 2]);
+    return this.rig.projection(height, [middleOfPane(this.layout_, x, width), height / 2]);
   }
 
   private size(): Size {
@@ -314,8 +312,8 @@ export class View3d {
     const ratio = this.overlay.width / width;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
-    const starts = this.layout_.mode === 'beside' ? [0, width / 2] : [0];
-    for (const x of starts) this.drawPictureOverlay(context, x, width / starts.length, height);
+    const count = paneCount(this.layout_);
+    for (let n = 0; n < count; n++) this.drawPictureOverlay(context, (n * width) / count, width / count, height);
     drawDivider(context, this.layout_, { width, height }, this.ink());
     const projection = this.projection();
     this.gizmo.draw(context, projection);

@@ -13,10 +13,26 @@ export interface Marker {
   draggable?: boolean;
 }
 
+/** One of several pictures from the same view. */
+export interface Pane {
+  bodies: readonly string[];
+  name: string;
+}
+
 export type Layout =
   | { mode: 'single' }
   | { mode: 'wipe'; fraction: number; left: string[]; right: string[]; names: [string, string] }
-  | { mode: 'beside'; left: string[]; right: string[]; names: [string, string] };
+  | { mode: 'beside'; panes: readonly Pane[] };
+
+/** The number of pictures side by side. */
+export const paneCount = (layout: Layout): number => (layout.mode === 'beside' ? layout.panes.length : 1);
+
+/** The middle of the picture at x in a view of this width. */
+export function middleOfPane(layout: Layout, x: number, width: number): number {
+  const count = paneCount(layout);
+  const at = Math.max(0, Math.min(count - 1, Math.floor((x * count) / width)));
+  return ((at + 0.5) * width) / count;
+}
 
 export type Phase = 'start' | 'move' | 'end';
 

@@ -34,6 +34,7 @@ import { Outcome } from './outcome';
 import { PlanStore } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
 import { SolveMonitor } from './solve_monitor';
+import { Variants } from './variants';
 import { Model, stageOf, type Doc, type State, type StepName } from './state';
 
 const MEASURE_DELAY_MS = 250;
@@ -48,6 +49,7 @@ export class App implements Planner {
   readonly live: LiveQueries;
   readonly labelBrush: LabelBrush;
   readonly boundaryBrush: BoundaryBrush;
+  readonly variants: Variants;
   private readonly solve = new SolveMonitor(this);
   private readonly store: PlanStore;
   private readonly jobs: JobTracker;
@@ -64,18 +66,20 @@ export class App implements Planner {
     this.labelBrush = new LabelBrush(this, listeners);
     this.boundaryBrush = new BoundaryBrush(this, listeners);
     this.store = new PlanStore(this, this.boundaryBrush);
+    this.variants = new Variants(this, this.store);
     this.jobs = new JobTracker(
       this,
       () => this.store.save(),
       (job) => this.solve.begin(job),
     );
-    const { store, jobs, solve, outcome, measures } = this;
+    const { store, jobs, solve, outcome, measures, variants } = this;
     const parts = {
       store,
       jobs,
       solve,
       outcome,
       measures,
+      variants,
       boundary: this.boundaryBrush,
       measure: () => this.measure(),
     };

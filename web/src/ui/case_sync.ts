@@ -9,7 +9,8 @@ import type { Outcome } from './outcome';
 import type { PlanStore } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
 import type { SolveMonitor } from './solve_monitor';
-import { isStepName, type LoadedSurface, type StepName } from './state';
+import { isStepName, isVariantsShown, type LoadedSurface, type State, type StepName } from './state';
+import type { Variants } from './variants';
 
 /** Surfaces that a step shows; others are loaded when they are first needed. */
 const SURFACES_OF_STEP: Record<StepName, RegExp> = {
@@ -20,10 +21,17 @@ const SURFACES_OF_STEP: Record<StepName, RegExp> = {
   movement: /^(skull|skin|remainder|segments\/.+)$/,
   tissue: /^(skull|skin|remainder|interface|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
-  compare: /^(skin_before|predicted|after_surgery|band|remainder|segments\/.+)$/,
+  compare: /^(skin_before|predicted|after_surgery|band|remainder|segments\/.+|variants\/.+)$/,
   measures:
     /^(skull|(upper|lower)_arch|lower_in_occlusion|splint_(final|intermediate)|nerve_(right|left)|airway|guides\/.+)$/,
 };
+
+const VARIANT = 'variants/';
+
+/** Whether a step shows a surface; of the variants only those that are chosen. */
+const isShown = (s: State, name: string): boolean =>
+  SURFACES_OF_STEP[s.step].test(name) &&
+  (!name.startsWith(VARIANT) || (isVariantsShown(s) && s.chosenVariants.includes(name.slice(VARIANT.length))));
 
 export const STEP_KEY = 'lefort-step';
 
@@ -41,6 +49,7 @@ export interface SyncedParts {
   solve: Pick<SolveMonitor, 'load' | 'onIterates' | 'onStep'>;
   outcome: Pick<Outcome, 'load'>;
   measures: Pick<Measures, 'load'>;
+  variants: Pick<Variants, 'load'>;
   boundary: Pick<BoundaryBrush, 'labels' | 'load' | 'forget' | 'measure'>;
   /** Measures the landmarks. */
   measure(): void;
@@ -60,6 +69,8 @@ export class CaseSync {
   async start(signal: AbortSignal): Promise<void> {
     this.planner.model.state.subscribe((state, before) => {
       if (state.step !== before.step) this.onStep(state.step);
+      else if (isVariantsShown(state) && (!isVariantsShown(before) || state.chosenVariants !== before.chosenVariants))
+        this.loadSurfaces();
     });
     await this.refresh();
     void this.planner.client.listen(
@@ -110,6 +121,7 @@ export class CaseSync {
   private onStep(step: StepName): void {
     this.loadSurfaces();
     if (step === 'compare' || step === 'predict') void this.parts.outcome.load();
+    if (step === 'compare') void this.parts.variants.load();
     if (step === 'measures') void this.parts.measures.load();
     if (step === 'landmarks') this.parts.measure();
     if (step === 'tissue') void this.parts.boundary.load();
@@ -122,7 +134,7 @@ export class CaseSync {
 
   private async onStages(stages: Schemas['Case']['stages']): Promise<void> {
     const { planner } = this;
-    const { store, outcome, measures, boundary } = this.parts;
+    const { store, outcome, measures, variants, boundary } = this.parts;
     if (!planner.model.s.case) return;
     planner.patch({ case: { ...planner.model.s.case, stages } });
     // The etag of a save that is still running would look like a change by another page.
@@ -137,6 +149,7 @@ export class CaseSync {
     this.loadSurfaces();
     const { step } = planner.model.s;
     if (step === 'compare' || step === 'predict') void outcome.load();
+    if (step === 'compare') void variants.load();
     if (step === 'measures') void measures.load();
     if (step === 'tissue' || boundary.labels) void boundary.load();
   }
@@ -185,8 +198,7 @@ export class CaseSync {
         model.surfaces.delete(name);
         this.listeners.onSurface(name, null);
       }
-    const shown = SURFACES_OF_STEP[model.s.step];
-    const needed = list.filter(({ name, etag }) => shown.test(name) && model.surfaces.get(name)?.etag !== etag);
+    const needed = list.filter(({ name, etag }) => isShown(model.s, name) && model.surfaces.get(name)?.etag !== etag);
     planner.patch({ surfacesLoading: needed.length });
     await Promise.all(needed.map(({ name, etag }) => this.loadSurface(name, etag)));
     planner.patch({ surfacesLoading: 0 });

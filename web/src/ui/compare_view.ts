@@ -45,7 +45,7 @@ export class CompareView {
 
   present(s: State): void {
     const { view } = this;
-    if (s.step === 'compare' && s.compareView === 'band') return;
+    if (s.step === 'compare' && s.compareView !== 'faces') return;
     if (s.step !== 'compare' || !view.body('skin_before') || !view.body('predicted') || !s.prediction?.converged) {
       view.setLayout({ mode: 'single' });
       if (s.step === 'compare') view.show([]);
@@ -71,8 +71,10 @@ export class CompareView {
       this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`,
     ];
     if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', fraction: s.wipe, left, right, names });
-    else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left, right, names });
-    else {
+    else if (s.compareMode === 'beside') {
+      const panes = [left, right].map((bodies, n) => ({ bodies, name: names[n] }));
+      view.setLayout({ mode: 'beside', panes });
+    } else {
       view.show(right);
       view.setLayout({ mode: 'single' });
     }

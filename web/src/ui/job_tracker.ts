@@ -18,6 +18,7 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   guides: 'Making cutting guides',
   airway: 'Measuring the airway',
   cephalogram: 'Computing the cephalogram',
+  variants: 'Putting variants side by side',
 };
 
 /** Lines of output that are kept of each job. */

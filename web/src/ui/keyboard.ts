@@ -28,7 +28,7 @@ export function listenToKeys(app: App, view: Viewer): void {
     } else if (event.key === '?') {
       app.patch({ help: !s.help });
     } else if (event.key === 'Escape') {
-      app.patch({ help: false, tool: 'none', curveDraft: null, plane: null, scrub: null });
+      app.patch({ help: false, confirm: null, tool: 'none', curveDraft: null, plane: null, scrub: null });
     } else if (event.key === 'Enter' && s.tool === 'curve') {
       closeCurve(app);
     } else if (event.key === 'Delete' || event.key === 'Backspace') {

@@ -120,7 +120,7 @@ export class Outcome {
   /** Selects what the comparison shows. The command line may have written a band since the case was read. */
   async show(compareView: State['compareView']): Promise<void> {
     this.planner.patch({ compareView });
-    if (compareView === 'band') await this.planner.attempt(() => this.planner.reload());
+    if (compareView !== 'faces') await this.planner.attempt(() => this.planner.reload());
   }
 
   /** Compares the prediction with a scan after surgery, or with a surface of the face. */

@@ -2,6 +2,7 @@ import type { Client } from '../api';
 import {
   change,
   fromRecord,
+  settle,
   startHistory,
   toPlan,
   toRecord,
@@ -118,8 +119,34 @@ export class PlanStore {
     await this.save();
   }
 
+  /**
+   * Saves, then lets the server replace plan and landmarks, and shows them; one undo step restores the earlier ones.
+   * `replace` gets the ETag of the plan. Throws if it fails.
+   */
+  async exchange(replace: (etag: string) => Promise<unknown>): Promise<void> {
+    if (!(await this.save())) throw new Error('The plan could not be saved. It was not replaced.');
+    let failure: unknown = null;
+    // Like a save: new ETags are not taken for changes by another page meanwhile.
+    this.running = (async () => {
+      try {
+        await replace(this.plan.etag);
+        const gesture = `exchange ${this.plan.etag}`;
+        this.planner.model.history.set(settle(this.planner.model.history.value));
+        await this.loadLandmarks(true, gesture);
+        await this.loadPlan(true, gesture);
+        this.planner.model.history.set(settle(this.planner.model.history.value));
+      } catch (error) {
+        failure = error;
+      }
+      return failure === null;
+    })();
+    await this.running;
+    this.running = null;
+    if (failure !== null) throw failure;
+  }
+
   /** Reads the plan from the server. Unsaved changes are kept, unless `discardMine`: saving them finds the conflict. */
-  async loadPlan(discardMine = false): Promise<void> {
+  async loadPlan(discardMine = false, gesture: string | null = null): Promise<void> {
     if (!discardMine && this.isUnsaved()) return;
     const { planner } = this;
     const { model } = planner;
@@ -130,8 +157,8 @@ export class PlanStore {
       if (model.doc.plan.segments.length === 0 && model.history.value.past.length === 0) {
         model.history.set(startHistory({ ...model.doc, plan }));
       } else if (JSON.stringify(this.planToSave()) !== JSON.stringify(plan)) {
-        model.history.set(change(model.history.value, { ...model.doc, plan }));
-        planner.toast('The plan was changed on another page. This page now shows the new plan.');
+        model.history.set(change(model.history.value, { ...model.doc, plan }, gesture));
+        if (gesture === null) planner.toast('The plan was changed on another page. This page now shows the new plan.');
       }
       this.plan.value = model.doc.plan;
       clearTimeout(this.timer);
@@ -143,7 +170,7 @@ export class PlanStore {
   }
 
   /** Reads the landmarks from the server, as `loadPlan` reads the plan. */
-  async loadLandmarks(discardMine = false): Promise<void> {
+  async loadLandmarks(discardMine = false, gesture: string | null = null): Promise<void> {
     if (!discardMine && this.isUnsaved()) return;
     const { planner } = this;
     try {
@@ -156,7 +183,7 @@ export class PlanStore {
       }
       this.landmarks = { value: landmarks, etag };
       const next = { ...history.present, landmarks };
-      planner.model.history.set(history.past.length === 0 ? startHistory(next) : change(history, next));
+      planner.model.history.set(history.past.length === 0 ? startHistory(next) : change(history, next, gesture));
     } catch (error) {
       if (!isNotFound(error)) planner.toast(messageOf(error), 'error');
     }

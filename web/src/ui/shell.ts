@@ -5,7 +5,7 @@ import type { App } from './app';
 import { JOB_NAMES } from './job_tracker';
 import { button, empty, icon, iconButton, progressBar, segmented, type Html } from './widgets';
 import type { Viewer } from './viewer';
-import { runningJob, stageOf, STEPS, type State, type StepName } from './state';
+import { isVariantsShown, runningJob, stageOf, STEPS, type State, type StepName } from './state';
 import { anatomyPanel } from './steps/anatomy_panel';
 import { casePanel, welcome } from './steps/case_panel';
 import { compareDock, comparePanel } from './steps/compare_panel';
@@ -17,6 +17,7 @@ import { osteotomyFoot, osteotomyPanel } from './steps/osteotomy_panel';
 import { predictFoot, predictPanel } from './steps/predict_panel';
 import { timeline } from './steps/timeline';
 import { tissuePanel } from './steps/tissue_panel';
+import { variantsCover } from './steps/variants_panel';
 
 const PANELS: Record<StepName, (app: App, s: State, view: Viewer) => Html> = {
   case: casePanel,
@@ -256,6 +257,7 @@ function covers(app: App, s: State): Html {
             : empty('No band yet', 'Compute it in the panel on the right.')}
         </div>`
       : nothing;
+  if (isVariantsShown(s)) return variantsCover(s);
   if (s.step === 'compare' && stageOf(s, 'prediction').state === 'missing')
     return html`<div class="cover">
       ${empty(
@@ -301,6 +303,25 @@ function dialogs(app: App, s: State): Html {
         </div>
       </div>
     </div>`;
+  if (s.confirm) {
+    const { title, text, action, run } = s.confirm;
+    const answer = (isYes: boolean): void => {
+      app.patch({ confirm: null });
+      if (isYes) run();
+    };
+    return html`<div class="scrim">
+      <div class="dialog" role="alertdialog" aria-modal="true" aria-labelledby="confirm-title" data-id="confirm">
+        <h2 id="confirm-title">${title}</h2>
+        <p>${text}</p>
+        <div class="row">
+          ${button('Cancel', () => answer(false), { id: 'confirm-no' })}${button(action, () => answer(true), {
+            kind: action === 'Delete' ? 'danger' : 'primary',
+            id: 'confirm-yes',
+          })}
+        </div>
+      </div>
+    </div>`;
+  }
   if (s.help)
     return html`<div class="scrim" @click=${(e: Event) => e.target === e.currentTarget && app.patch({ help: false })}>
       <div class="dialog" role="dialog" aria-modal="true" aria-labelledby="help-title">

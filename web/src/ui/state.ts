@@ -16,6 +16,7 @@ import {
 } from '../model';
 
 import { initialMeasures, type MeasureState } from './measure_state';
+import { initialVariants, type VariantState } from './variant_state';
 
 export const STEPS = [
   { name: 'case', title: 'Case' },
@@ -60,7 +61,7 @@ export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush' | 'paint';
 
-export interface State extends MeasureState {
+export interface State extends MeasureState, VariantState {
   connection: 'connecting' | 'on' | 'lost';
   /** The planner cannot work: no token, or a server of another version. */
   fatal: string | null;
@@ -151,8 +152,8 @@ export interface State extends MeasureState {
   wipe: number;
   distanceTop_mm: number;
 
-  /** The step of the comparison shows the faces, or the band of the uncertain inputs. */
-  compareView: 'faces' | 'band';
+  /** The step of the comparison shows the faces, the band of the uncertain inputs, or variants of the plan. */
+  compareView: 'faces' | 'band' | 'variants';
   uncertainty: Schemas['Uncertainty'] | null;
   /** Upper end of the legend of the band width. */
   bandTop_mm: number;
@@ -260,6 +261,7 @@ export const initialState = (): State => ({
   ...initialPlanning(),
   ...initialResults(),
   ...initialMeasures(),
+  ...initialVariants(),
 });
 
 export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
@@ -294,6 +296,9 @@ export class Model {
 
 export const stageOf = (state: State, name: keyof Schemas['Case']['stages']): Schemas['Stage'] =>
   state.case?.stages[name] ?? { state: 'missing', why: '', etag: null };
+
+/** Whether the step of the comparison shows variants of the plan. */
+export const isVariantsShown = (s: State): boolean => s.step === 'compare' && s.compareView === 'variants';
 
 export const runningJob = (state: State): Schemas['Job'] | null =>
   state.jobs.find((job) => job.state === 'running') ?? state.jobs.find((job) => job.state === 'queued') ?? null;

@@ -22,8 +22,9 @@ import { measureColor, MeasuresView } from './measures_view';
 import type { SceneListeners } from './planner_context';
 import { ProfileDrag } from './profile_drag';
 import { nextFrame } from './schedule';
-import { stageOf, type State } from './state';
+import { isVariantsShown, stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
+import { VariantsView } from './variants_view';
 import { ViewerInput } from './viewer_input';
 import { linesOf, markersOf, planeOutlines, planesOf, segmentOutlines, sliceMarkersOf } from './viewer_marks';
 
@@ -55,7 +56,7 @@ const DRAWN_KEYS: readonly (keyof State)[] = [
   ] as const),
   ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
   ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
-  ...(['showBones', 'wipe', 'compareView', 'uncertainty'] as const),
+  ...(['showBones', 'wipe', 'compareView', 'uncertainty', 'chosenVariants'] as const),
   ...(['measure', 'teeth', 'toothCorrections', 'showOcclusion', 'splintSettings', 'splints', 'guides'] as const),
   ...(['nerve', 'nervePoints', 'nervePoint', 'nerveDrag'] as const),
 ];
@@ -78,6 +79,7 @@ export class Viewer implements SceneListeners {
   compare!: CompareView;
   band!: BandView;
   private measures!: MeasuresView;
+  private variants!: VariantsView;
   profileDrag!: ProfileDrag;
   private boundary!: BoundaryView;
   private input!: ViewerInput;
@@ -127,6 +129,7 @@ export class Viewer implements SceneListeners {
     this.compare = new CompareView(this.view, app);
     this.band = new BandView(this.view, app);
     this.measures = new MeasuresView(this.view, app);
+    this.variants = new VariantsView(this.view);
     this.profileDrag = new ProfileDrag(app, () => this.view.body('skin'));
     this.boundary = new BoundaryView(this.view, app);
     this.input = new ViewerInput(app, () => this.present());
@@ -146,7 +149,7 @@ export class Viewer implements SceneListeners {
     const index = this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name);
     const color = name.startsWith('segments/')
       ? segmentColor(Math.max(0, index))
-      : /skin|predicted|after_surgery|band/.test(name)
+      : /skin|predicted|after_surgery|band|^variants\//.test(name)
         ? SKIN
         : (measureColor(name) ?? BONE);
     this.view.setBody(name, surface, color);
@@ -232,6 +235,7 @@ export class Viewer implements SceneListeners {
     this.presentSlices(s);
     this.compare.present(s);
     if (isBandShown(s)) this.band.present();
+    this.variants.present(s);
     this.measures.present(s);
     this.view.refreshMarkers();
   }
@@ -251,6 +255,7 @@ export class Viewer implements SceneListeners {
 
   private bodies(s: State): string[] {
     if (isBandShown(s)) return ['band'];
+    if (isVariantsShown(s)) return this.variants.bodies(s);
     if (s.step === 'compare') return this.compare.bodies(s);
     if (s.step === 'measures') return this.measures.bodies(s);
     const segments = this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`);

@@ -6,6 +6,8 @@
 #include <lefort/pipeline/variants.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace lefort::app {
 namespace {
@@ -196,6 +198,11 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
                       "nerve.json of `lefort nerve`: canals that cuts must not touch");
   command->add_option("--tooth-corrections", job->tooth_corrections,
                       "teeth_corrections.json of `lefort dental teeth`: corrected numbers");
+  const auto splints = std::make_shared<std::vector<std::string>>(),
+             guides = std::make_shared<std::vector<std::string>>();
+  command->add_option("--splint", *splints,
+                      "Splints of `lefort dental splint` to list in the worksheet");
+  command->add_option("--guide", *guides, "Guides of `lefort plan guide` to list in the worksheet");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   add_limits(*command, job->limits);
   command->footer(
@@ -205,8 +212,10 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       "pictures/, planned_movements.csv and worksheet.pdf for the operating room. If the plan has "
       "landmarks, also landmarks and cephalometry after the movement.\n"
       "Exit code 1 if there is a finding. Not for clinical use.");
-  command->callback([job, no_pictures, &context] {
+  command->callback([job, no_pictures, splints, guides, &context] {
     job->pictures = !*no_pictures;
+    for (const std::string& file : *splints) job->printed.push_back({"splint", file});
+    for (const std::string& file : *guides) job->printed.push_back({"guide", file});
     bool has_findings = false;
     context.run("plan check", [&](Progress& progress) -> Result<pipeline::Summary> {
       LEFORT_TRY(pipeline::PlanCheckSummary done, pipeline::check_plan_file(*job, progress));

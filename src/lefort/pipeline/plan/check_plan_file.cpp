@@ -72,6 +72,7 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   if (job.skull) inputs.push_back(*job.skull);
   if (job.nerve) inputs.push_back(*job.nerve);
   if (job.tooth_corrections) inputs.push_back(*job.tooth_corrections);
+  for (const PrintedPart& part : job.printed) inputs.push_back(part.file);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
   for (const std::string& name : io::files_of_plan(text.json))
     inputs.push_back(job.plan.parent_path() / name);
@@ -224,7 +225,7 @@ nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments&
                         {"max_gap_mm", support.max_gap_mm},
                         {"max_gap_at_mm", as_json(support.max_gap_L)}});
   }
-  return {{"lefort_plan_check", 2},
+  return {{"lefort_plan_check", kPlanCheckVersion},
           {"notice", kNotForClinicalUse},
           {"version", kVersion},
           {"limits",
@@ -311,6 +312,19 @@ Result<void> write_pictures(const fs::path& folder, std::span<const report::Plan
   return {};
 }
 
+Result<std::vector<WorksheetPart>> parts_of(std::span<const PrintedPart> printed) {
+  std::vector<WorksheetPart> parts;
+  for (const PrintedPart& part : printed) {
+    LEFORT_TRY(std::string sha256, io::sha256_of_file(part.file));
+    const fs::path file = fs::absolute(part.file).lexically_normal();
+    // Every splint is called splint.stl: its folder distinguishes them.
+    std::string name =
+        part.name.empty() ? (file.parent_path().filename() / file.filename()).string() : part.name;
+    parts.push_back({part.kind, std::move(name), std::move(sha256)});
+  }
+  return parts;
+}
+
 }  // namespace
 
 Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
@@ -318,6 +332,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   const io::PlanFile& plan = plan_text.plan;
   io::note_warnings(plan.warnings, progress);
   LEFORT_TRY(const io::Nerves nerves, read_given_nerves(job.nerve, progress));
+  LEFORT_TRY(std::vector<WorksheetPart> parts, parts_of(job.printed));
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
@@ -364,10 +379,10 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY_VOID(write_bones(job.output, cut, plan.segments));
   if (!plan.landmarks.empty())
     LEFORT_TRY_VOID(write_landmark_files(job.output, after.known, table));
-  LEFORT_TRY_VOID(write_movements(
-      job.output,
-      {plan.title, io::Sha256().add(plan_text.json).hex(), directions.has_frankfurt_horizontal},
-      movements, check.findings, pictures));
+  LEFORT_TRY_VOID(write_movements(job.output,
+                                  {plan.title, io::Sha256().add(plan_text.json).hex(),
+                                   directions.has_frankfurt_horizontal, std::move(parts)},
+                                  movements, check.findings, pictures));
   LEFORT_TRY_VOID(write_pictures(job.output, pictures));
   return PlanCheckSummary{{std::move(text), std::move(result)}, !check.findings.empty()};
 }

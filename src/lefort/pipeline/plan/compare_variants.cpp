@@ -3,6 +3,7 @@
 #include <lefort/io/predicted_poses.h>
 #include <lefort/io/read_text.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/plan.h>
 #include <lefort/pipeline/plan/worksheet.h>
 #include <lefort/pipeline/variants.h>
 #include <lefort/report/report_html.h>
@@ -67,6 +68,10 @@ Result<Variant> read_variant(const fs::path& folder, Progress& progress) {
   one.name = fs::absolute(folder).lexically_normal().filename().string();
   if (one.name.empty()) one.name = fs::absolute(folder).parent_path().filename().string();
   LEFORT_TRY(one.check, document(folder / "check/check.json", "lefort_plan_check"));
+  if (one.check["lefort_plan_check"] != kPlanCheckVersion)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the check of {} is of another version of lefort: check the plan again",
+                            one.name));
   const fs::path prediction = folder / "prediction/prediction.json";
   if (!fs::exists(prediction)) return one;
   LEFORT_TRY(nlohmann::json found, document(prediction, "lefort_prediction"));
@@ -140,6 +145,12 @@ std::vector<std::string> heads_of(const std::vector<Variant>& variants, const st
   return heads;
 }
 
+/// A name of a file, in words.
+std::string with_spaces(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 /// "5.0 forward, 2.9 up".
 std::string translation_in_words(const nlohmann::json& terms) {
   std::string text;
@@ -208,7 +219,7 @@ report::ReportTable result_table(const std::vector<Variant>& variants) {
     std::map<std::string, int> kinds;
     for (const nlohmann::json& finding :
          variants[n].check.value("findings", nlohmann::json::array()))
-      ++kinds[finding.value("kind", "finding")];
+      ++kinds[with_spaces(finding.value("kind", "finding"))];
     for (const auto& [kind, count] : kinds) rows.set("findings: " + kind, n, fmt::to_string(count));
     if (!variants[n].prediction) continue;
     const nlohmann::json skin = variants[n].prediction->value("skin", nlohmann::json::object());
@@ -240,8 +251,7 @@ Result<std::vector<report::ReportPicture>> pictures_of(const std::vector<Variant
   const bool has_faces = std::all_of(variants.begin(), variants.end(),
                                      [](const Variant& one) { return one.prediction.has_value(); });
   for (const char* const view : {"front", "right_profile", "right_three_quarter"}) {
-    std::string name = view;
-    std::replace(name.begin(), name.end(), '_', ' ');
+    const std::string name = with_spaces(view);
     if (has_faces)
       LEFORT_TRY_VOID(add_view(variants, fmt::format("prediction/pictures/after_{}.png", view),
                                "Predicted face, " + name, pictures));

@@ -14,6 +14,8 @@
 namespace lefort::pipeline {
 namespace {
 
+constexpr std::size_t kShownDigits = 16;  // Of a SHA-256.
+
 std::vector<std::string> movement_cells(const std::string& name, const plan::MovementTerms& terms) {
   return {name, movement_in_words(terms.anterior_mm, "forward", "back"),
           movement_in_words(terms.superior_mm, "up", "down"),
@@ -133,7 +135,7 @@ Result<std::string> worksheet_pdf(const WorksheetNotes& notes,
   sheet.lines.push_back(notes.has_frankfurt_horizontal
                             ? "Anterior is along the Frankfurt horizontal."
                             : "The Frankfurt horizontal is not known: directions are of the scan.");
-  sheet.lines.push_back("Plan: SHA-256 " + notes.plan_sha256.substr(0, 16));
+  sheet.lines.push_back("Plan: SHA-256 " + notes.plan_sha256.substr(0, kShownDigits));
   if (findings.empty()) sheet.lines.push_back("Check: no findings within the limits.");
   for (const predict::PlanFinding& finding : findings)
     sheet.lines.push_back("Check: " + finding.text);
@@ -149,6 +151,12 @@ Result<std::string> worksheet_pdf(const WorksheetNotes& notes,
                               {}};
     for (const auto& [name, terms] : one.landmarks)
       table.rows.push_back(movement_cells(plan::full_name(name), terms));
+    sheet.tables.push_back(std::move(table));
+  }
+  if (!notes.parts.empty()) {
+    report::ReportTable table{"Splints and guides", {"", "file", "SHA-256"}, {}};
+    for (const auto& [kind, name, sha256] : notes.parts)
+      table.rows.push_back({kind, name, sha256.substr(0, kShownDigits)});
     sheet.tables.push_back(std::move(table));
   }
   return report::sheet_pdf(sheet);

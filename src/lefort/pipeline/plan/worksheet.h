@@ -32,11 +32,18 @@ struct MovementOfSegment {
     const plan::HeadDirections& directions, const plan::Landmarks& landmarks,
     const plan::CutSegments& cut, std::span<const plan::PlannedSegment> planned);
 
+/// A splint or a cutting guide.
+struct WorksheetPart {
+  std::string kind, name;
+  std::string sha256;  ///< Printed shortened: two files of one name differ.
+};
+
 /// What is printed beside the movements.
 struct WorksheetNotes {
   std::string title;        ///< Of the plan.
   std::string plan_sha256;  ///< Printed shortened, so that sheets of two plans differ.
   bool has_frankfurt_horizontal = false;
+  std::vector<WorksheetPart> parts = {};
 };
 
 /// "5.0 forward" or "5.0 back"; "-" below 0.05 mm.

@@ -57,7 +57,7 @@ Response without_folder(Response reply, const fs::path& folder) {
 constexpr std::span<const Route> (*kGroups[])() = {
     case_routes,        job_routes,     scan_routes,     boundary_routes,   surface_routes,
     landmark_routes,    plan_routes,    movement_routes, prediction_routes, comparison_routes,
-    uncertainty_routes, measure_routes, file_routes};
+    uncertainty_routes, measure_routes, variant_routes,  file_routes};
 
 }  // namespace
 

@@ -33,6 +33,7 @@ struct Route {
 [[nodiscard]] std::span<const Route> comparison_routes();   ///< Comparison; values on surfaces.
 [[nodiscard]] std::span<const Route> uncertainty_routes();  ///< Band of the predicted face.
 [[nodiscard]] std::span<const Route> measure_routes();      ///< Teeth, canals and other measures.
+[[nodiscard]] std::span<const Route> variant_routes();      ///< Kept plans, side by side.
 [[nodiscard]] std::span<const Route> file_routes();         ///< Files for download.
 
 }  // namespace lefort::server

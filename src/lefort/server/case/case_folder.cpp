@@ -7,6 +7,7 @@
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/measure_stages.h>
+#include <lefort/server/case/variants.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -110,6 +111,7 @@ const char* in_words(const std::string& input) {
   if (input == "check") return "the check of the plan changed, or is out of date";
   if (input == "nerve") return "the canals of the nerves changed after this was computed";
   if (input == "prediction") return "the prediction changed after this was computed";
+  if (input.starts_with("variant ")) return "a variant was replaced after this was computed";
   if (input == "cut")
     return "the plan's cuts, landmarks or thresholds changed after this was computed";
   return "the plan's tissue or boundaries changed after this was computed";
@@ -167,6 +169,7 @@ Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
   // Left by a server that was killed.
   fs::remove_all(opened.uploads(), error);
   fs::remove_all(opened.import_folder(), error);
+  fs::remove_all(opened.prepared_variant(), error);
   if (fs::exists(opened.imported(), error)) LEFORT_TRY_VOID(opened.finish_import());
   remove_partial_files(root);
   return opened;
@@ -226,6 +229,7 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
     inputs.insert(others->begin(), others->end());
     return inputs;
   }
+  if (stage == "variants") return inputs_of_variants(*this);
   if (stage == "anatomy") {
     const auto labels_sha256 = fingerprint(labels());
     if (!labels_sha256) return std::nullopt;
@@ -347,6 +351,7 @@ fs::path CaseFolder::document_of(std::string_view stage) const {
   if (stage == "preview") return preview() / "preview.json";
   if (stage == "uncertainty") return uncertainty() / "uncertainty.json";
   if (stage == "comparison") return comparison() / "compare.json";
+  if (stage == "variants") return side_by_side() / "variants.json";
   if (is_measure(stage)) return document_of_measure(*this, stage);
   const fs::path failure = prediction() / "failure.json";
   return there_is(failure) ? failure : prediction() / "prediction.json";

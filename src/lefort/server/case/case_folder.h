@@ -68,6 +68,9 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path guides() const { return root_ / "guides"; }
   [[nodiscard]] std::filesystem::path airway() const { return root_ / "airway"; }
   [[nodiscard]] std::filesystem::path cephalogram() const { return root_ / "cephalogram"; }
+  /// Variants of the plan side by side; and where a variant is prepared or removed.
+  [[nodiscard]] std::filesystem::path side_by_side() const { return root_ / "side_by_side"; }
+  [[nodiscard]] std::filesystem::path prepared_variant() const { return root_ / "variant"; }
   /// Cached labels, fields and tissue meshes of all stages.
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
@@ -88,8 +91,8 @@ class CaseFolder {
   /// Fingerprints of the present inputs of a stage; nothing if one is missing or the plan is
   /// invalid.
   ///
-  /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison", or one of
-  ///   is_measure().
+  /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison",
+  ///   "variants", or one of is_measure().
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
 
   /// Stores the fingerprints of the inputs of a stage.
@@ -169,7 +172,8 @@ inline constexpr const char* kStages[] = {
     "boundary",   "cut",        "check",        "preview",
     "prediction", "comparison", "uncertainty",  "teeth",
     "arches",     "occlusion",  "splint_final", "splint_intermediate",
-    "nerve",      "guides",     "airway",       "cephalogram"};
+    "nerve",      "guides",     "airway",       "cephalogram",
+    "variants"};
 
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);

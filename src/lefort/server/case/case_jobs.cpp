@@ -10,9 +10,11 @@
 #include <lefort/server/api/contract_text.h>
 #include <lefort/server/case/case_jobs.h>
 #include <lefort/server/case/event_batcher.h>
+#include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/job_parts.h>
 #include <lefort/server/case/measure_jobs.h>
 #include <lefort/server/case/measure_stages.h>
+#include <lefort/server/case/variants.h>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,7 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace lefort::server {
 namespace {
@@ -133,12 +136,35 @@ std::optional<fs::path> nerve_of_check(const CaseFolder& folder, Progress& progr
   if (state == "stale")
     progress.note(
         "warning: the canals of the nerves are out of date; the check does not include them");
+  if (state == "missing")
+    progress.note("no canals of the nerves are known; the check does not include them");
   if (state != "fresh") return std::nullopt;
   return folder.nerve() / "nerve.json";
 }
 
+/// The splints and guides of the case that are up to date, for the worksheet.
+std::vector<pipeline::PrintedPart> printed_parts(const CaseFolder& folder) {
+  std::vector<pipeline::PrintedPart> parts;
+  for (const char* stage : {"splint_intermediate", "splint_final"})
+    if (folder.stage(stage)["state"] == "fresh")
+      parts.push_back({"splint", folder_of_measure(folder, stage) / "splint.stl",
+                       fmt::format("{}.stl", stage)});
+  if (folder.stage("guides")["state"] != "fresh") return parts;
+  const json guides = read_object(folder.guides() / "guides.json");
+  if (const auto list = guides.find("guides"); list != guides.end() && list->is_array())
+    for (const json& one : *list) {
+      if (!one.is_object() || !one.contains("name") || !one["name"].is_string()) continue;
+      std::string name = fmt::format("guide_{}.stl", one["name"].get<std::string>());
+      if (const auto file = guide_result(folder, name); file && there_is(*file))
+        parts.push_back({"guide", *file, std::move(name)});
+    }
+  return parts;
+}
+
 Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progress& progress) {
   CaseFolder& folder = context.folder;
+  // Before the earlier check is removed, on which the intermediate splint depends.
+  const std::vector<pipeline::PrintedPart> printed = printed_parts(folder);
   return as_stage(folder, "check", progress, [&]() -> Result<JobOutcome> {
     pipeline::CheckPlanJob check{.plan = folder.plan(),
                                  .ct = folder.ct(),
@@ -149,6 +175,7 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
                                  .pictures = false};
     check.nerve = nerve_of_check(folder, progress);
     check.tooth_corrections = tooth_corrections(folder);
+    check.printed = printed;
     LEFORT_TRY(const pipeline::PlanCheckSummary found, pipeline::check_plan_file(check, progress));
     JobOutcome outcome = reported(found.summary);
     outcome.has_findings = found.has_findings;
@@ -290,7 +317,8 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"nerve", "nerve", nerve_job},
                            {"guides", "guides", guides_job},
                            {"airway", "airway", airway_job},
-                           {"cephalogram", "cephalogram", cephalogram_job}};
+                           {"cephalogram", "cephalogram", cephalogram_job},
+                           {"variants", "variants", variants_job}};
 
 }  // namespace
 

@@ -96,7 +96,11 @@ const NamedFile kFiles[] = {
     {"frontal.png", "cephalogram", LEFORT_IN(cephalogram, "frontal.png")},
     {"tracing.png", "cephalogram", LEFORT_IN(cephalogram, "tracing.png")},
     {"measurements.csv", "cephalogram", LEFORT_IN(cephalogram, "measurements.csv")},
-    {"norms.csv", "cephalogram", LEFORT_IN(cephalogram, "norms.csv")}};
+    {"norms.csv", "cephalogram", LEFORT_IN(cephalogram, "norms.csv")},
+    {"variants.html", "variants", LEFORT_IN(side_by_side, "variants.html")},
+    {"variants.pdf", "variants", LEFORT_IN(side_by_side, "variants.pdf")},
+    {"variants.csv", "variants", LEFORT_IN(side_by_side, "variants.csv")},
+    {"variants.json", "variants", LEFORT_IN(side_by_side, "variants.json")}};
 
 const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},

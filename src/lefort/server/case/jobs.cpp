@@ -29,12 +29,6 @@ constexpr std::size_t kLongestLine = 2000;       // Characters.
 constexpr std::uintmax_t kMaxRecord = 64 << 20;  // Bytes.
 constexpr auto kReportEvery = std::chrono::milliseconds(100);
 
-std::string utc_now() {
-  return fmt::format(
-      "{:%Y-%m-%dT%H:%M:%SZ}",
-      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-}
-
 std::optional<JobRecord> read_record(const fs::path& file) {
   const auto text = io::read_text(file, kMaxRecord);
   if (!text) return std::nullopt;
@@ -62,6 +56,12 @@ std::optional<JobRecord> read_record(const fs::path& file) {
 }
 
 }  // namespace
+
+std::string utc_now() {
+  return fmt::format(
+      "{:%Y-%m-%dT%H:%M:%SZ}",
+      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
 
 json as_json(const JobRecord& job) {
   json result{{"id", job.id},

@@ -40,6 +40,9 @@ struct JobRecord {
   [[nodiscard]] bool is_over() const { return state != "queued" && state != "running"; }
 };
 
+/// The time in UTC, ISO 8601 to the second.
+[[nodiscard]] std::string utc_now();
+
 [[nodiscard]] nlohmann::json as_json(const JobRecord& job);
 
 /// Result of a finished job.

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kKeptSurfaces = 32;  // 16, and those of 16 segments.
+constexpr std::size_t kKeptSurfaces = 36;  // 16, those of 16 segments, and of 4 variants.
 
 }  // namespace
 

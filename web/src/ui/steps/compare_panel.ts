@@ -9,6 +9,7 @@ import { button, chip, empty, hint, icon, notice, section, segmented, toggle, ty
 import { afterSurgerySection } from './after_surgery_section';
 import { legend, missingRegions, regionName, valueCells } from './region_table';
 import { uncertaintyPanel } from './uncertainty_panel';
+import { variantsPanel } from './variants_panel';
 
 const FILE_WORDS: Record<string, string> = {
   'report.html': 'Report with pictures and numbers',
@@ -52,14 +53,21 @@ const BONE_PAINTS = [
 const COMPARE_VIEWS = [
   { value: 'faces', text: 'Faces', title: 'The face before surgery and the predicted one' },
   { value: 'band', text: 'Uncertainty', title: 'The band of the predicted face by uncertain inputs' },
+  { value: 'variants', text: 'Plans', title: 'Variants of the plan side by side' },
 ] as const;
+
+const STAGE_OF_VIEW = { faces: 'prediction', band: 'uncertainty', variants: 'variants' } as const;
 
 const stateChip = (state: Schemas['Stage']['state']): Html => (state === 'missing' ? nothing : chip(state));
 
 export const comparePanel = (app: App, s: State, view: Viewer): Html =>
-  html`<h2>Compare ${stateChip(stageOf(s, s.compareView === 'band' ? 'uncertainty' : 'prediction').state)}</h2>
+  html`<h2>Compare ${stateChip(stageOf(s, STAGE_OF_VIEW[s.compareView]).state)}</h2>
     ${segmented('What is shown', COMPARE_VIEWS, s.compareView, (v) => void app.outcome.show(v))}
-    ${s.compareView === 'band' ? uncertaintyPanel(app, s, view) : facesPanel(app, s, view)}`;
+    ${s.compareView === 'band'
+      ? uncertaintyPanel(app, s, view)
+      : s.compareView === 'variants'
+        ? variantsPanel(app, s)
+        : facesPanel(app, s, view)}`;
 
 function facesPanel(app: App, s: State, view: Viewer): Html {
   const stage = stageOf(s, 'prediction');
@@ -163,7 +171,7 @@ function exportSection(app: App, s: State, view: Viewer): Html {
 const fileList = (app: App, s: State): Html => {
   // A band can be out of date if the prediction is not.
   const isExported = ({ stage }: { stage: string }): boolean =>
-    stage !== 'uncertainty' || stageOf(s, 'uncertainty').state === 'fresh';
+    (stage !== 'uncertainty' && stage !== 'variants') || stageOf(s, stage).state === 'fresh';
   return html`<details>
     <summary>All files</summary>
     <div class="list">
@@ -183,7 +191,7 @@ const fileList = (app: App, s: State): Html => {
 /** Slider of the step: before surgery at the left, the planned position at the right. */
 export function compareDock(app: App, s: State): Html {
   const steps = s.prediction?.converged ? s.prediction.steps.length : 0;
-  if (steps === 0 || s.compareView === 'band') return nothing;
+  if (steps === 0 || s.compareView !== 'faces') return nothing;
   return html` <div class="dock">
     <span class="hint">Along the path</span>
     <div class="timeline">

@@ -6,6 +6,7 @@
 #include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/served_case.h>
 #include <lefort/server/case/surface_encoding.h>
+#include <lefort/server/case/variants.h>
 
 #include <fmt/format.h>
 
@@ -70,6 +71,12 @@ Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
       if (const auto etag = file ? served.folder.etag(*file) : std::nullopt)
         list.push_back({{"name", "guides/" + name}, {"etag", *etag}});
     }
+  const json variants = list_variants(served.folder)["variants"];
+  for (const json& variant : variants) {
+    const std::string name = variant["name"];
+    if (const auto etag = served.folder.etag(face_of_variant(served.folder, name)))
+      list.push_back({{"name", "variants/" + name}, {"etag", *etag}});
+  }
   return json_response({{"surfaces", list}});
 }
 
@@ -96,13 +103,19 @@ Response get_guide_surface(ServedCase& served, const Request& request, const Pat
   return surface_reply(served, request, *file);
 }
 
+Response get_variant_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  if (!is_variant_name(values[0])) return not_found("no variant of that name");
+  return surface_reply(served, request, face_of_variant(served.folder, values[0]));
+}
+
 }  // namespace
 
 std::span<const Route> surface_routes() {
   static constexpr Route kRoutes[] = {{"GET", "/surfaces", get_surfaces},
                                       {"GET", "/surfaces/{surface}", get_surface},
                                       {"GET", "/surfaces/segments/{segment}", get_segment_surface},
-                                      {"GET", "/surfaces/guides/{guide}", get_guide_surface}};
+                                      {"GET", "/surfaces/guides/{guide}", get_guide_surface},
+                                      {"GET", "/surfaces/variants/{variant}", get_variant_surface}};
   return kRoutes;
 }
 
