@@ -29,7 +29,10 @@ using Rule = InterfaceRule;
 using anatomy::Tissue;
 using Numbers = image::Volume<std::uint8_t>;
 
-constexpr double kEdge_mm = 1.0, kDepth_mm = 5.0;
+constexpr double kEdge_mm = 1.0, kDepth_mm = 5.0, kLength_mm = 22.0;
+
+/// Crowns of teeth that are longer and shorter than the mean, 7.5 + 13 and 10.5 + 13 mm.
+constexpr double kMolar_mm = 7.5 * kLength_mm / 20.5, kIncisor_mm = 10.5 * kLength_mm / 23.5;
 
 image::Grid grid() {
   image::Grid grid;
@@ -58,7 +61,7 @@ anatomy::LabelMap labels() {
   return made;
 }
 
-/// An upper tooth of 22 mm.
+/// An upper tooth of kLength_mm.
 struct Tooth {
   int fdi;
   double first_x, last_x, edge_z = kEdge_mm;
@@ -71,7 +74,7 @@ Numbers numbers(const std::vector<Tooth>& teeth, double front_mm = 0.0) {
   visit_voxels([&](Index i, Index j, Index k, const Vec3& p) {
     for (const Tooth& tooth : teeth)
       if (p.x() >= tooth.first_x && p.x() <= tooth.last_x && p.y() >= front_mm && p.y() <= 7.0 &&
-          p.z() >= tooth.edge_z && p.z() <= tooth.edge_z + 22.0)
+          p.z() >= tooth.edge_z && p.z() <= tooth.edge_z + kLength_mm)
         made.at(i, j, k) = std::uint8_t(tooth.fdi);
   });
   return made;
@@ -88,8 +91,9 @@ TEST(JawTeeth, HaveAxisEdgeBorderAndPlaceInTheArch) {
     EXPECT_NEAR(std::abs(tooth->along_L.x()), 1.0, 1e-6);
     EXPECT_NEAR(tooth->edge_z_mm, kEdge_mm, 1e-9);
     EXPECT_NEAR(tooth->tip_L.z(), kEdge_mm, 1e-9);
-    EXPECT_NEAR(tooth->border_L.z(), kEdge_mm + crown_height_mm(tooth->fdi), 1e-9);
   }
+  EXPECT_NEAR(incisor.border_L.z(), kEdge_mm + kIncisor_mm, 1e-9);
+  EXPECT_NEAR(molar.border_L.z(), kEdge_mm + kMolar_mm, 1e-9);
   EXPECT_NEAR(molar.half_width_mm, 5.0, 0.6);
   EXPECT_EQ(found.tooth_at({-10.0, 0.0, 30.0}, false), &molar);
   EXPECT_EQ(found.tooth_at({6.0, 0.0, 1.0}, false), &incisor);
@@ -97,9 +101,20 @@ TEST(JawTeeth, HaveAxisEdgeBorderAndPlaceInTheArch) {
   EXPECT_EQ(found.tooth_at({-10.0, 0.0, -5.0}, true), nullptr);  // The other jaw.
   EXPECT_EQ(found.tooth_at({-10.0, 30.0, 1.0}, false), nullptr);
   EXPECT_TRUE(found.is_on_crown({-10.0, -1.0, 8.0}));
-  EXPECT_FALSE(found.is_on_crown({-10.0, -1.0, 9.0}));  // The root.
+  EXPECT_FALSE(found.is_on_crown({-10.0, -1.0, 10.0}));  // The root.
   EXPECT_FALSE(found.is_on_crown({-10.0, -4.0, 5.0}));
   EXPECT_FALSE(found.is_on_crown({0.0, -1.0, 5.0}));
+}
+
+TEST(JawTeeth, ACrownWithoutItsRootHasABorderOf70PercentOfTheMean) {
+  Numbers crown = numbers({{16, -15.0, -5.0}});
+  visit_voxels([&](Index i, Index j, Index k, const Vec3& p) {
+    if (p.z() > 7.0) crown.at(i, j, k) = 0;
+  });
+  const JawTeeth found = find_jaw_teeth(crown);
+  ASSERT_EQ(found.teeth.size(), 1U);
+  EXPECT_NEAR(found.teeth[0].axis_L.z(), -1.0, 1e-6);
+  EXPECT_NEAR(found.teeth[0].border_L.z(), kEdge_mm + 0.7 * 7.5, 1e-9);
 }
 
 TEST(JawTeeth, PartsWithoutANumberOfAPermanentToothAreNoTeeth) {
@@ -137,8 +152,8 @@ TEST(JawTeeth, TheVestibuleIsAsDeepFromEachCrownAndInAGapAsWithoutTeeth) {
     while (vestibule.contains({x_mm, 0.0, z_mm}, false)) z_mm += 0.1;
     return z_mm;
   };
-  EXPECT_NEAR(fold_z_mm(*with, -10.0), kEdge_mm + 7.5 + kDepth_mm, 0.2);
-  EXPECT_NEAR(fold_z_mm(*with, 10.0), kEdge_mm + 10.5 + kDepth_mm, 0.2);
+  EXPECT_NEAR(fold_z_mm(*with, -10.0), kEdge_mm + kMolar_mm + kDepth_mm, 0.2);
+  EXPECT_NEAR(fold_z_mm(*with, 10.0), kEdge_mm + kIncisor_mm + kDepth_mm, 0.2);
   EXPECT_EQ(fold_z_mm(*with, 0.0), fold_z_mm(*without, 0.0));
   EXPECT_EQ(fold_z_mm(*with, -18.0), fold_z_mm(*without, -18.0));
   EXPECT_TRUE(with->contains({-10.0, 0.0, kEdge_mm - 7.9}, false));
@@ -213,7 +228,7 @@ TEST(InterfaceWithTeeth, TissueSlidesOnCrownsAndGingivaOfEachToothAndElsewhereBy
   }
   visit_wall(with, [&](const NodeInterface& one, const Vec3& p_L) {
     if (p_L.z() < 0.0 || std::abs(std::abs(p_L.x()) - 10.0) > 4.0) return;
-    const double border_mm = kEdge_mm + (p_L.x() < 0.0 ? 7.5 : 10.5);
+    const double border_mm = kEdge_mm + (p_L.x() < 0.0 ? kMolar_mm : kIncisor_mm);
     const double beyond_mm = p_L.z() - border_mm;
     if (beyond_mm < -0.2) {
       EXPECT_EQ(one.rule, Rule::kCrown) << p_L.transpose();

@@ -15,11 +15,12 @@ namespace {
 
 constexpr double kMinToothPart_mm3 = 30.0;  ///< Less is no crown.
 constexpr double kUprightTooth = 0.6;       ///< Cosine of the axis and z: as dental::number_teeth.
-constexpr double kTipFraction = 0.02;       ///< Of the voxels, at the edge or the cusps.
-constexpr double kBeyondCrown_mm = 1.5;     ///< Half of the space between two teeth that belong to
-                                            ///< one arch; a gap of a tooth is 5 mm and wider.
-constexpr double kAcrossArch_mm = 15.0;     ///< An alveolar process is 10 to 20 mm thick.
-constexpr double kNearCrown_mm = 2.0;       ///< Two voxels of a clinical scan.
+constexpr double kMinSize = 0.7, kMaxSize = 1.1;  ///< Of a tooth, relative to the mean.
+constexpr double kTipFraction = 0.02;             ///< Of the voxels, at the edge or the cusps.
+constexpr double kBeyondCrown_mm = 1.5;  ///< Half of the space between two teeth that belong to
+                                         ///< one arch; a gap of a tooth is 5 mm and wider.
+constexpr double kAcrossArch_mm = 15.0;  ///< An alveolar process is 10 to 20 mm thick.
+constexpr double kNearCrown_mm = 2.0;    ///< Two voxels of a clinical scan.
 
 bool is_permanent(int fdi) { return fdi >= 11 && fdi <= 48 && fdi % 10 >= 1 && fdi % 10 <= 8; }
 
@@ -53,7 +54,10 @@ JawTooth tooth_of(int fdi, std::vector<Vec3> all_L) {
   });
   const double tip_mm = tooth.axis_L.dot(*middle - mean_L);
   tooth.tip_L = mean_L + tip_mm * tooth.axis_L;
-  tooth.border_L = tooth.tip_L - crown_height_mm(fdi) * tooth.axis_L;
+  double apex_mm = tip_mm;
+  for (const Vec3& p_L : all_L) apex_mm = std::min(apex_mm, tooth.axis_L.dot(p_L - mean_L));
+  const double size = std::clamp((tip_mm - apex_mm) / tooth_length_mm(fdi), kMinSize, kMaxSize);
+  tooth.border_L = tooth.tip_L - size * crown_height_mm(fdi) * tooth.axis_L;
   const double sign = tooth.is_lower() ? 1.0 : -1.0;
   std::nth_element(all_L.begin(), middle, all_L.end(),
                    [&](const Vec3& a, const Vec3& b) { return sign * a.z() > sign * b.z(); });
@@ -107,6 +111,12 @@ double crown_height_mm(int fdi) {
   constexpr std::array<double, 8> kUpper{10.5, 9.0, 10.0, 8.5, 8.5, 7.5, 7.0, 6.5};
   constexpr std::array<double, 8> kLower{9.0, 9.5, 11.0, 8.5, 8.0, 7.5, 7.0, 7.0};
   return (fdi >= 30 ? kLower : kUpper)[std::size_t(fdi % 10 - 1)];
+}
+
+double tooth_length_mm(int fdi) {
+  constexpr std::array<double, 8> kUpperRoot{13.0, 13.0, 17.0, 14.0, 14.0, 13.0, 12.0, 11.0};
+  constexpr std::array<double, 8> kLowerRoot{12.5, 14.0, 16.0, 14.0, 14.5, 14.0, 13.0, 11.0};
+  return crown_height_mm(fdi) + (fdi >= 30 ? kLowerRoot : kUpperRoot)[std::size_t(fdi % 10 - 1)];
 }
 
 const JawTooth* JawTeeth::tooth_at(const Vec3& p_L, bool on_mandible) const {

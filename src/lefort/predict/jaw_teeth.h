@@ -50,11 +50,16 @@ struct JawTeeth {
 /// number: means of \cite nelson2015. \pre fdi % 10 is 1 to 8.
 [[nodiscard]] double crown_height_mm(int fdi);
 
+/// Length of a tooth, crown and root, as crown_height_mm().
+[[nodiscard]] double tooth_length_mm(int fdi);
+
 /// Finds axis, edge and border of each tooth.
 ///
 /// The axis is the direction of the largest variance of the voxels; where it lies more than 53
 /// degrees from z (a molar without roots), the axis is z. The border lies behind the edge by the
-/// mean height of the crown, because enamel does not end visibly in a CT with metal.
+/// mean height of the crown, times the length of the tooth relative to its mean (0.7 to 1.1: less
+/// is a root that was not found): enamel does not end visibly beside metal, and the alveolar crest
+/// does not in a scan of clinical resolution (docs/studies/interface.md).
 ///
 /// \param numbers  FDI number of each voxel; values that are no number of a permanent tooth, and
 ///   teeth of less than 30 mm3, are left out.
