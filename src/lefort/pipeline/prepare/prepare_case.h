@@ -52,7 +52,8 @@ struct PreparedCase {
   std::vector<predict::BoneOverlapAtFraction> overlaps;
   ScannedHead head;
   std::optional<predict::BoundaryLabelMap> painted;  ///< Boundary conditions painted by the user.
-  std::optional<predict::JawTeeth> teeth = std::nullopt;  ///< Of interface and lips.
+  /// Of interface and lips.
+  std::optional<predict::JawTeeth> teeth = std::nullopt;
 
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
     return plan::paths_of(plan.segments);
