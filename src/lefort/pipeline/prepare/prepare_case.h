@@ -74,10 +74,10 @@ struct PreparedCase {
 /// \param plan_sha256  SHA-256 of the text of the plan.
 /// \param ct           the scan.
 /// \param cache        of labels, fields and the tissue's mesh.
-/// \returns the case; the errors of scan_head(), load_teeth(), io::read_boundary_labels(), plan::cut_segments(),
-///   field::build_distance_field(), predict::check_query_range(), and predict::mesh_tissue() or
-///   predict::mesh_tissue_and_skin(); or kPlanInvalid if the plan has a material for muscle and the
-///   labels contain no muscle.
+/// \returns the case; the errors of scan_head(), load_teeth(), io::read_boundary_labels(),
+///   plan::cut_segments(), field::build_distance_field(), predict::check_query_range(), and
+///   predict::mesh_tissue() or predict::mesh_tissue_and_skin(); or kPlanInvalid if the plan has a
+///   material for muscle and the labels contain no muscle.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);
