@@ -168,7 +168,7 @@ struct Wall {
   geometry::TriangleMesh mandible_L = test::make_box({-20, 0, -40}, {20, 20, -kEdge_mm});
   geometry::TriangleMesh upper_L = test::make_box({-20, 0, kEdge_mm}, {20, 20, 40});
   geometry::TriangleMesh skin_L = test::make_box({-25, -12, -45}, {25, 20, 45});
-  TissueOptions options{.element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 15.0};
+  TissueOptions options{.element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 35.0};
   TissueDomain domain = make_tissue_domain(level(), grid(), mandible_L, options);
   mesh::VolumeMesh mesh = mesh_tissue(domain, mandible_L, options).value();
 
