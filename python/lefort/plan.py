@@ -192,6 +192,7 @@ def _example_with(path: str, value: Json) -> Json:
 @dataclass(frozen=True)
 class Segmentation(Part):
     labels: str | None = None
+    teeth: str = "none"
     bone_hu: float = 226
     skin_hu: float = -300
 
@@ -497,7 +498,8 @@ class Plan(Part):
             if isinstance(value, list):
                 return [moved(one, key) for one in value]
             is_file = key in ("ct", "labels", "file", "transform") or (
-                key in ("landmarks", "targets") and value != "auto")
+                key in ("landmarks", "targets") and value != "auto") or (
+                key == "teeth" and value not in ("auto", "none"))
             if not is_file or not isinstance(value, str) or os.path.isabs(value):
                 return value
             return os.path.relpath(start / value, to)

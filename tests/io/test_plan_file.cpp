@@ -1,6 +1,7 @@
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/plan_file.h>
+#include <lefort/io/plan_inputs.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
 
@@ -8,9 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "support/temporary_folder.h"
 
@@ -696,6 +700,33 @@ TEST(PlanFile, SurvivesAnyDamage) {
     }
   }
   EXPECT_FALSE(parse_plan(std::string(100'000, '['), "."));
+}
+
+TEST(PlanFile, TeethAreNoneAutoOrAFileThatThePlanNames) {
+  const auto plan_with = [](const std::string& segmentation) {
+    return R"({"lefort_plan": 1, "segmentation": )" + segmentation + R"(,
+               "segments": [{"name": "midface",
+                 "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}]},
+                 "path": {"keyframes": [{"translation_mm": [0, -6, 0]}]}}]})";
+  };
+  const std::string none = plan_with("{}"), automatic = plan_with(R"({"teeth": "auto"})"),
+                    file = plan_with(R"({"teeth": "head/teeth.seg.nrrd"})");
+  EXPECT_EQ(parse_plan(none, "/case")->teeth_source, TeethSource::kNone);
+  EXPECT_EQ(parse_plan(plan_with(R"({"teeth": "none"})"), "/case")->teeth_source,
+            TeethSource::kNone);
+  EXPECT_EQ(parse_plan(automatic, "/case")->teeth_source, TeethSource::kAuto);
+  EXPECT_FALSE(parse_plan(automatic, "/case")->teeth);
+  const PlanFile with_file = parse_plan(file, "/case").value();
+  EXPECT_EQ(with_file.teeth_source, TeethSource::kFile);
+  EXPECT_EQ(with_file.teeth, "/case/head/teeth.seg.nrrd");
+  EXPECT_TRUE(files_of_plan(automatic).empty());
+  EXPECT_EQ(files_of_plan(file), std::vector<std::string>{"head/teeth.seg.nrrd"});
+
+  EXPECT_EQ(parse_plan(with_teeth(file, "none"), "/case")->teeth_source, TeethSource::kNone);
+  EXPECT_EQ(parse_plan(with_teeth(none, "auto"), "/case")->teeth_source, TeethSource::kAuto);
+  EXPECT_EQ(parse_plan(with_teeth(none, "/other/t.seg.nrrd"), "/case")->teeth, "/other/t.seg.nrrd");
+  EXPECT_EQ(parse_plan(with_teeth(none, "t.seg.nrrd"), "/case")->teeth,
+            std::filesystem::current_path() / "t.seg.nrrd");
 }
 
 }  // namespace

@@ -115,6 +115,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
   expect_defaults(
       kPlanSchema,
       {{"/title", plan.title},
+       {"/segmentation/teeth", std::string(name_of(plan.teeth_source))},
        {"/segmentation/bone_hu", plan.segmentation.bone_hu},
        {"/segmentation/skin_hu", plan.segmentation.skin_hu},
        {"/segments/cut_from", segment.cut_from},

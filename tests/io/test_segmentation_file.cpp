@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdint>
+
 #include "io/sample_labels.h"
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
@@ -30,6 +33,26 @@ TEST(SegmentationFile, ReadsBackEveryLabel) {
   ASSERT_TRUE(on_scan) << on_scan.error().message;
   EXPECT_EQ(on_scan->grid, labels.grid);
   EXPECT_EQ(on_scan->values, labels.values);
+}
+
+TEST(SegmentationFile, ReadsBackTeethOfJawsAndNumberedTeeth) {
+  const TemporaryFolder folder;
+  const image::Grid grid = sample_labels().grid;
+  anatomy::ToothMap jaws{grid, {}};
+  image::Volume<std::uint8_t> numbers{grid, {}};
+  for (Index v = 0; v < grid.voxel_count(); ++v) {
+    jaws.values.push_back(anatomy::Tooth(v % 3));
+    numbers.values.push_back(std::uint8_t(v % 3 == 0 ? 0 : v % 3 == 1 ? 18 : 41));
+  }
+  ASSERT_TRUE(write_teeth(folder / "jaws.seg.nrrd", jaws));
+  ASSERT_TRUE(write_numbered_teeth(folder / "numbers.seg.nrrd", numbers));
+  const auto read_jaws = read_teeth(folder / "jaws.seg.nrrd", grid);
+  ASSERT_TRUE(read_jaws) << read_jaws.error().message;
+  for (std::size_t v = 0; v < jaws.values.size(); ++v)
+    EXPECT_EQ(read_jaws->values[v], std::uint8_t(jaws.values[v]));
+  const auto read_numbers = read_teeth(folder / "numbers.seg.nrrd", grid);
+  ASSERT_TRUE(read_numbers) << read_numbers.error().message;
+  EXPECT_EQ(read_numbers->values, numbers.values);
 }
 
 TEST(SegmentationFile, EqualLabelsGiveEqualBytes) {

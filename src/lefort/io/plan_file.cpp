@@ -133,6 +133,14 @@ PlanFile read_scan(const Json& json, const fs::path& folder) {
   read(segmentation, "skin_hu", plan.segmentation.skin_hu);
   if (segmentation.contains("labels"))
     plan.labels = folder / segmentation["labels"].get<std::string>();
+  const std::string teeth = segmentation.value("teeth", name_of(plan.teeth_source));
+  if (teeth == name_of(TeethSource::kNone) || teeth == name_of(TeethSource::kAuto)) {
+    plan.teeth_source =
+        teeth == name_of(TeethSource::kAuto) ? TeethSource::kAuto : TeethSource::kNone;
+  } else {
+    plan.teeth_source = TeethSource::kFile;
+    plan.teeth = folder / teeth;
+  }
   return plan;
 }
 
@@ -244,6 +252,15 @@ std::string with_landmarks(const std::string& text, const plan::Landmarks& landm
   auto points = nlohmann::ordered_json::object();
   for (const auto& [name, p_L] : landmarks) points[name] = {p_L.x(), p_L.y(), p_L.z()};
   json["landmarks"] = points;
+  return json.dump(2) + "\n";
+}
+
+std::string with_teeth(const std::string& text, const std::string& teeth) {
+  auto json = nlohmann::ordered_json::parse(text);
+  const bool is_file = teeth != name_of(TeethSource::kNone) && teeth != name_of(TeethSource::kAuto);
+  std::error_code error;
+  const fs::path absolute = is_file ? fs::absolute(teeth, error) : fs::path(teeth);
+  json["segmentation"]["teeth"] = error ? teeth : absolute.generic_string();
   return json.dump(2) + "\n";
 }
 

@@ -16,11 +16,31 @@
 
 namespace lefort::io {
 
+/// Where the teeth of interface and lips come from.
+enum class TeethSource {
+  kNone,  ///< Interface and lips do not use teeth.
+  kAuto,  ///< anatomy::find_teeth(), as `lefort plan check`.
+  kFile,  ///< A tooth map.
+};
+[[nodiscard]] constexpr const char* name_of(TeethSource source) {
+  switch (source) {
+    case TeethSource::kNone:
+      return "none";
+    case TeethSource::kAuto:
+      return "auto";
+    default:
+      return "file";
+  }
+}
+
 /// The input of `lefort predict` and `lefort plan check`.
 struct PlanFile {
   std::string title;
   std::optional<std::filesystem::path> ct;      ///< Absolute, from the folder of the plan file.
   std::optional<std::filesystem::path> labels;  ///< Absolute, as `ct`.
+  /// Whether interface and lips use the teeth (segmentation.teeth).
+  TeethSource teeth_source = TeethSource::kNone;
+  std::optional<std::filesystem::path> teeth;  ///< With kFile; absolute, as `ct`.
   anatomy::SegmentationOptions segmentation;
   plan::Landmarks landmarks;                   ///< Before surgery; may be empty.
   std::vector<plan::PlannedSegment> segments;  ///< One or more.
@@ -69,6 +89,10 @@ struct JawGap {
 /// The text of a plan with an angle [degrees] in place of a gap or of the name of a segment.
 [[nodiscard]] std::string with_closing(const std::string& json, const JawGap& gap,
                                        double closing_deg);
+
+/// The text of a plan with other teeth (segmentation.teeth): "auto", "none", or a file, whose path
+/// becomes absolute.
+[[nodiscard]] std::string with_teeth(const std::string& json, const std::string& teeth);
 
 /// Parses a completed plan.
 ///

@@ -26,7 +26,12 @@ void visit_files(OrderedJson& plan, const Visit& visit_string) {
         for (OrderedJson& cut : region[cuts]) visit(cut, "file");
   };
   if (!are_found) visit(plan, "landmarks");
-  if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
+  if (plan.contains("segmentation")) {
+    OrderedJson& segmentation = plan["segmentation"];
+    visit(segmentation, "labels");
+    const OrderedJson teeth = segmentation.value("teeth", OrderedJson());
+    if (teeth != "auto" && teeth != "none") visit(segmentation, "teeth");
+  }
   if (plan.contains("boundary")) visit(plan["boundary"], "labels");
   for (OrderedJson& segment : plan["segments"]) {
     OrderedJson& osteotomy = segment["osteotomy"];

@@ -134,6 +134,25 @@ constexpr Naming<BoundaryLabel> kBoundaryNaming{
     [](BoundaryLabel, BoundaryLabel) { return true; },
     Naming<BoundaryLabel>::Others::kRejected};
 
+/// A jaw (anatomy::Tooth) or the FDI number of a permanent tooth.
+std::optional<std::uint8_t> tooth_called(std::string_view name) {
+  for (const anatomy::ToothStyle& style : anatomy::kToothStyles)
+    if (name == style.name) return std::uint8_t(style.tooth);
+  constexpr std::string_view kTooth = "tooth ";
+  if (name.size() != kTooth.size() + 2 || !name.starts_with(kTooth)) return std::nullopt;
+  const char quadrant = name[kTooth.size()], number = name[kTooth.size() + 1];
+  if (quadrant < '1' || quadrant > '4' || number < '1' || number > '8') return std::nullopt;
+  return std::uint8_t(10 * (quadrant - '0') + (number - '0'));
+}
+
+constexpr Naming<std::uint8_t> kToothNaming{
+    "tooth map",
+    "tooth",
+    "upper teeth, lower teeth or tooth 11 to tooth 48",
+    [](std::string_view name, std::string_view) { return tooth_called(name); },
+    [](std::uint8_t, std::uint8_t) { return true; },
+    Naming<std::uint8_t>::Others::kRejected};
+
 std::string plain_name(std::string name) {
   for (char& c : name)
     c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -325,6 +344,11 @@ Result<void> write_teeth(const fs::path& target, const anatomy::ToothMap& teeth)
   for (const anatomy::ToothStyle& style : anatomy::kToothStyles)
     segments.push_back({style.name, static_cast<int>(style.tooth), style.color});
   return write_labels(target, teeth, segments);
+}
+
+Result<image::Volume<std::uint8_t>> read_teeth(const fs::path& source, const image::Grid& grid,
+                                               Progress& progress) {
+  return read_labels(source, kToothNaming, grid, progress);
 }
 
 Result<void> write_numbered_teeth(const fs::path& target,

@@ -70,6 +70,17 @@ namespace lefort::io {
 [[nodiscard]] Result<void> write_teeth(const std::filesystem::path& target,
                                        const anatomy::ToothMap& teeth);
 
+/// Reads a tooth map: segments named as write_teeth() or write_numbered_teeth() name them, ignoring
+/// case, on the grid of the scan or a box cropped from it.
+///
+/// \param source  a .seg.nrrd.
+/// \param grid    of the scan.
+/// \returns the FDI number of each voxel, or without numbers its jaw (anatomy::Tooth), 0 elsewhere;
+///   or the errors of read_segmentation(); or kFileUnsupported if a segment has another name.
+[[nodiscard]] Result<image::Volume<std::uint8_t>> read_teeth(const std::filesystem::path& source,
+                                                             const image::Grid& grid,
+                                                             Progress& progress = Progress::none());
+
 /// Writes the labels painted on the tissue boundary atomically, with one segment per label of
 /// predict::kBoundaryLabelStyles.
 ///

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 
 namespace lefort::pipeline {
 
@@ -18,6 +19,8 @@ struct PredictJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
   std::filesystem::path output;             ///< A folder; created if missing.
+  /// Instead of the plan's segmentation.teeth: "auto", "none" or a tooth map.
+  std::optional<std::string> teeth = std::nullopt;
   bool pictures = true;
   /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
   /// (interface_sensitivity.h).

@@ -78,13 +78,16 @@ class InterfaceRules {
  public:
   InterfaceRules(const anatomy::LabelMap& labels, const InterfaceBones& bones,
                  const BoundaryOptions& options)
-      : labels_(labels), options_(options), zones_(bones.elevation) {
+      : labels_(labels),
+        options_(options),
+        zones_(bones.elevation),
+        teeth_(is_clinical() ? bones.teeth : nullptr) {
     for (const geometry::TriangleMesh& segment_L : bones.segments_L)
       segments_.push_back(tree_of(segment_L));
     remainder_ = tree_of(bones.remainder_L);
     for (const plan::ElevationZone& zone : zones_) cuts_.push_back(tree_of(zone.cut_faces_L));
     if (is_clinical() && options_.vestibule_mm > 0.0)
-      vestibule_ = find_oral_vestibule(labels_, options_.vestibule_mm);
+      vestibule_ = find_oral_vestibule(labels_, options_.vestibule_mm, teeth_);
   }
 
   /// Condition by rule of a node at `p_L`.
@@ -196,11 +199,16 @@ class InterfaceRules {
   }
 
   /// Whether `other` is near, and no osteotomy separates it from the bone at `p_L`: its closest
-  /// point is not at a cut face.
+  /// point is not at a cut face. Crowns form pairs with crowns only, where tissue slides anyway.
   [[nodiscard]] bool is_joint_with(const geometry::Bvh* other, const Vec3& p_L) const {
     if (other == nullptr) return false;
     const auto closest = other->closest_point(p_L, options_.joint_margin_mm);
-    return closest && closest->distance_mm < options_.joint_margin_mm && !is_at_cut(closest->point);
+    return closest && closest->distance_mm < options_.joint_margin_mm &&
+           !is_at_cut(closest->point) && !is_on_crown(closest->point);
+  }
+
+  [[nodiscard]] bool is_on_crown(const Vec3& p_L) const {
+    return teeth_ != nullptr && teeth_->is_on_crown(p_L);
   }
 
   /// Whether bone that moves relative to `bone` is near, and no osteotomy separates them.
@@ -243,13 +251,17 @@ class InterfaceRules {
   [[nodiscard]] NodeInterface on_bone(const Vec3& p_L, std::int32_t bone,
                                       InterfaceRule rule) const {
     NodeInterface node{.condition = InterfaceCondition::kBonded, .rule = rule, .bone = bone};
-    if (is_elevated(p_L, bone)) {
+    if (is_on_crown(p_L)) {  // No periosteum, also near a cut.
+      node.condition = InterfaceCondition::kSliding;
+      node.rule = InterfaceRule::kCrown;
+      node.may_separate = is_near_air(p_L);  // Elsewhere the tone of the lips holds them on teeth.
+    } else if (is_elevated(p_L, bone)) {
       node.condition = InterfaceCondition::kElevated;
       node.rule = InterfaceRule::kOsteotomy;
     } else if (is_in_vestibule(p_L)) {
       node.condition = InterfaceCondition::kSliding;
       node.rule = InterfaceRule::kVestibule;
-      node.may_separate = is_near_air(p_L);  // Elsewhere the tone of the lips holds them on teeth.
+      node.may_separate = is_near_air(p_L);  // As on crowns.
     } else if (is_in_joint(p_L, bone)) {
       node.condition = InterfaceCondition::kSliding;
       node.rule = InterfaceRule::kJoint;
@@ -275,6 +287,7 @@ class InterfaceRules {
   const anatomy::LabelMap& labels_;
   const BoundaryOptions& options_;
   std::span<const plan::ElevationZone> zones_;
+  const JawTeeth* teeth_;
   std::vector<std::unique_ptr<const geometry::Bvh>> segments_, cuts_;
   std::unique_ptr<const geometry::Bvh> remainder_;
   std::optional<OralVestibule> vestibule_;

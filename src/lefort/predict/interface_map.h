@@ -9,6 +9,7 @@
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/plan/elevation_zone.h>
 #include <lefort/predict/boundary_labels.h>
+#include <lefort/predict/jaw_teeth.h>
 #include <lefort/predict/prediction_options.h>
 #include <lefort/predict/tissue_domain.h>
 
@@ -46,6 +47,7 @@ enum class InterfaceRule : std::uint8_t {
   kLips,          ///< Where the lips touch each other at rest (separate_lips.h).
   kVestibule,     ///< Teeth and gingiva, facing lips, cheeks and tongue (oral_vestibule.h).
   kOverlap,       ///< Bone that lies in another bone along the path (release_overlap.h).
+  kCrown,         ///< Crown of a known tooth (jaw_teeth.h).
 };
 
 /// Name and letter of a condition in results.
@@ -71,7 +73,7 @@ struct InterfaceRuleStyle {
   const char* name;
   char letter;
 };
-inline constexpr std::array<InterfaceRuleStyle, 13> kInterfaceRules{{
+inline constexpr std::array<InterfaceRuleStyle, 14> kInterfaceRules{{
     {InterfaceRule::kPainted, "painted", 'p'},
     {InterfaceRule::kOsteotomy, "osteotomy", 'o'},
     {InterfaceRule::kJoint, "joint", 'j'},
@@ -85,6 +87,7 @@ inline constexpr std::array<InterfaceRuleStyle, 13> kInterfaceRules{{
     {InterfaceRule::kLips, "lips", 'l'},
     {InterfaceRule::kVestibule, "vestibule", 'v'},
     {InterfaceRule::kOverlap, "overlap", 'x'},
+    {InterfaceRule::kCrown, "crown", 'c'},
 }};
 
 [[nodiscard]] const InterfaceConditionStyle& style_of(InterfaceCondition condition);
@@ -122,6 +125,7 @@ struct InterfaceBones {
   std::span<const geometry::TriangleMesh> segments_L;
   const geometry::TriangleMesh& remainder_L;
   std::span<const plan::ElevationZone> elevation;  ///< Used by TissueInterface::kClinical.
+  const JawTeeth* teeth = nullptr;                 ///< As `elevation`; may be null.
 };
 
 /// Decides the condition of every boundary node.

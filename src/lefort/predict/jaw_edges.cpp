@@ -1,4 +1,5 @@
 #include <lefort/predict/jaw_edges.h>
+#include <lefort/predict/jaw_teeth.h>
 
 #include <algorithm>
 #include <cmath>
@@ -52,6 +53,41 @@ std::optional<Chin> find_chin(const anatomy::LabelMap& labels) {
   return Chin{median_of(x), y_mm, median_of(z)};
 }
 
+/// Calls visit(point) for all voxels of teeth.
+template <class Visit>
+void for_each_tooth_voxel(const JawTeeth& teeth, const Visit& visit) {
+  const auto& grid = teeth.numbers.grid;
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i)
+        if (teeth.numbers.at(i, j, k) != 0) visit(grid.point_L({double(i), double(j), double(k)}));
+}
+
+constexpr double kNoSurface_mm = std::numeric_limits<double>::infinity();
+
+/// Columns without a surface get that of the closest one with a surface; then the median of 9.
+std::vector<double> smooth_columns(const std::vector<double>& y) {
+  const std::size_t count = y.size();
+  std::vector<std::size_t> known;
+  for (std::size_t c = 0; c < count; ++c)
+    if (y[c] < kNoSurface_mm) known.push_back(c);
+  if (known.empty()) return {};
+  std::vector<double> filled(count), smooth(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto distance = [c](std::size_t other) { return other > c ? other - c : c - other; };
+    filled[c] = y[*std::min_element(known.begin(), known.end(), [&](std::size_t a, std::size_t b) {
+      return distance(a) < distance(b);
+    })];
+  }
+  constexpr std::size_t kWindow = 4;  // Median over 9 mm: a tooth is 5 to 9 mm wide.
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::size_t begin = c > kWindow ? c - kWindow : 0, end = std::min(count, c + kWindow + 1);
+    smooth[c] =
+        median_of({filled.begin() + std::ptrdiff_t(begin), filled.begin() + std::ptrdiff_t(end)});
+  }
+  return smooth;
+}
+
 }  // namespace
 
 double median_of(std::vector<double> values) {
@@ -60,7 +96,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-std::optional<JawEdges> find_jaw_edges(const anatomy::LabelMap& labels) {
+std::optional<JawEdges> find_jaw_edges(const anatomy::LabelMap& labels, const JawTeeth* teeth) {
   const std::optional<Chin> chin = find_chin(labels);
   if (!chin) return std::nullopt;
   std::map<Index, double> upper, lower;  // By column of 1 mm.
@@ -83,39 +119,30 @@ std::optional<JawEdges> find_jaw_edges(const anatomy::LabelMap& labels) {
     for (const auto& [column, z_mm] : edges) z.push_back(z_mm);
     return median_of(z);
   };
-  return JawEdges{chin->x_mm, middle_of(upper), middle_of(lower)};
+  JawEdges edges{chin->x_mm, middle_of(upper), middle_of(lower)};
+  if (teeth == nullptr) return edges;
+  edges.upper_z_mm = teeth->edge_z_mm(false).value_or(edges.upper_z_mm);
+  edges.lower_z_mm = teeth->edge_z_mm(true).value_or(edges.lower_z_mm);
+  return edges;
 }
 
 std::vector<double> anterior_surface_y_mm(const anatomy::LabelMap& labels, double first_x_mm,
                                           std::size_t count,
-                                          const std::array<double, 2>& edges_z_mm) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  std::vector<double> y(count, kNone);
-  for_each_bone(labels, [&](const Vec3& p_L, Tissue) {
+                                          const std::array<double, 2>& edges_z_mm,
+                                          const JawTeeth* teeth) {
+  std::vector<double> y(count, kNoSurface_mm), of_teeth(count, kNoSurface_mm);
+  const auto add = [&](const Vec3& p_L, std::vector<double>& surface) {
     const auto column = std::lround(p_L.x() - first_x_mm);
     if (p_L.z() < edges_z_mm[0] - kCrown_mm || p_L.z() > edges_z_mm[1] + kCrown_mm || column < 0 ||
         std::size_t(column) >= count)
       return;
-    y[std::size_t(column)] = std::min(y[std::size_t(column)], p_L.y());
-  });
-  std::vector<std::size_t> known;
+    surface[std::size_t(column)] = std::min(surface[std::size_t(column)], p_L.y());
+  };
+  for_each_bone(labels, [&](const Vec3& p_L, Tissue) { add(p_L, y); });
+  if (teeth != nullptr) for_each_tooth_voxel(*teeth, [&](const Vec3& p_L) { add(p_L, of_teeth); });
   for (std::size_t c = 0; c < count; ++c)
-    if (y[c] < kNone) known.push_back(c);
-  if (known.empty()) return {};
-  std::vector<double> filled(count), smooth(count);
-  for (std::size_t c = 0; c < count; ++c) {
-    const auto distance = [c](std::size_t other) { return other > c ? other - c : c - other; };
-    filled[c] = y[*std::min_element(known.begin(), known.end(), [&](std::size_t a, std::size_t b) {
-      return distance(a) < distance(b);
-    })];
-  }
-  constexpr std::size_t kWindow = 4;  // Median over 9 mm: a tooth is 5 to 9 mm wide.
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::size_t begin = c > kWindow ? c - kWindow : 0, end = std::min(count, c + kWindow + 1);
-    smooth[c] =
-        median_of({filled.begin() + std::ptrdiff_t(begin), filled.begin() + std::ptrdiff_t(end)});
-  }
-  return smooth;
+    if (of_teeth[c] < kNoSurface_mm) y[c] = of_teeth[c];
+  return smooth_columns(y);
 }
 
 }  // namespace lefort::predict

@@ -219,8 +219,8 @@ double OralFissure::extent(const Vec3& p_L) const {
 
 FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
                                 const image::ScalarVolume& soft_tissue,
-                                const LipLandmarks& landmarks) {
-  const std::optional<JawEdges> edges = find_jaw_edges(labels);
+                                const LipLandmarks& landmarks, const JawTeeth* teeth) {
+  const std::optional<JawEdges> edges = find_jaw_edges(labels, teeth);
   const auto& stomion = landmarks.stomion_L;
   if (!edges && !stomion)
     return {std::nullopt,
@@ -242,7 +242,7 @@ FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
     edges_z_mm = {std::min(edges->upper_z_mm, edges->lower_z_mm),
                   std::max(edges->upper_z_mm, edges->lower_z_mm)};
   const std::vector<double> jaw_y_mm =
-      anterior_surface_y_mm(labels, fissure.first_x_mm, profiles.columns, edges_z_mm);
+      anterior_surface_y_mm(labels, fissure.first_x_mm, profiles.columns, edges_z_mm, teeth);
   if (jaw_y_mm.empty() && !stomion) return {std::nullopt, "no bone lies behind the mouth"};
   const double end_y_mm = jaw_y_mm.empty()
                               ? stomion->y() + kLip_mm

@@ -13,6 +13,8 @@
 
 namespace lefort::predict {
 
+struct JawTeeth;
+
 /// Landmarks of the lips; they override what is found.
 struct LipLandmarks {
   std::optional<Vec3> stomion_L;  ///< Stm.
@@ -74,8 +76,11 @@ struct FissureSearch {
 /// \param labels       of the scan. If find_jaw_edges() finds none, the landmark Stm is needed.
 /// \param soft_tissue  level-set function of the soft tissue (anatomy/tissue_levels.h).
 /// \param landmarks    in L [mm].
+/// \param teeth        may be null. They determine the level of the edges and the anterior surface
+///   where they are; elsewhere, bone does.
 [[nodiscard]] FissureSearch find_oral_fissure(const anatomy::LabelMap& labels,
                                               const image::ScalarVolume& soft_tissue,
-                                              const LipLandmarks& landmarks);
+                                              const LipLandmarks& landmarks,
+                                              const JawTeeth* teeth = nullptr);
 
 }  // namespace lefort::predict

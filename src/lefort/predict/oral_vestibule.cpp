@@ -86,6 +86,13 @@ Vec3 normal_of(const std::vector<Vec3>& points) {
 }  // namespace
 
 bool OralVestibule::contains(const Vec3& p_L, bool on_mandible) const {
+  if (const JawTooth* tooth = teeth ? teeth->tooth_at(p_L, on_mandible) : nullptr) {
+    // To inferior of the border of a lower tooth lies its root.
+    const double sign = on_mandible ? -1.0 : 1.0;
+    const double beyond_border_mm = sign * normal_L.dot(p_L - tooth->border_L);
+    const double beyond_tip_mm = -sign * normal_L.dot(p_L - tooth->tip_L);
+    return beyond_border_mm < depth_mm && beyond_tip_mm < kBeyondEdge_mm;
+  }
   if (std::abs(p_L.x() - front_L.x()) > kArchHalfWidth_mm || p_L.y() > front_L.y() + kArchDepth_mm)
     return false;
   const double height_mm = normal_L.dot(p_L);
@@ -93,15 +100,19 @@ bool OralVestibule::contains(const Vec3& p_L, bool on_mandible) const {
                      : height_mm < upper_fold_mm && height_mm > upper_edge_mm - kBeyondEdge_mm;
 }
 
-std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels, double depth_mm) {
-  const std::optional<JawEdges> edges = find_jaw_edges(labels);
+std::optional<OralVestibule> find_oral_vestibule(const anatomy::LabelMap& labels, double depth_mm,
+                                                 const JawTeeth* teeth) {
+  const std::optional<JawEdges> edges = find_jaw_edges(labels, teeth);
   if (!edges) return std::nullopt;
   const std::vector<double> front_y_mm =
       anterior_surface_y_mm(labels, edges->middle_x_mm, 1,
                             {std::min(edges->upper_z_mm, edges->lower_z_mm),
-                             std::max(edges->upper_z_mm, edges->lower_z_mm)});
+                             std::max(edges->upper_z_mm, edges->lower_z_mm)},
+                            teeth);
   if (front_y_mm.empty()) return std::nullopt;
   OralVestibule vestibule;
+  vestibule.depth_mm = depth_mm;
+  vestibule.teeth = teeth;
   vestibule.front_L = {edges->middle_x_mm, front_y_mm.front(), edges->middle_z_mm()};
   vestibule.normal_L = normal_of(midpoints_of_edges(labels, vestibule.front_L));
   const auto height_mm = [&](double z_mm) {

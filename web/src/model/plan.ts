@@ -6,7 +6,7 @@ import { toRecord, type Landmark } from './landmarks';
 export interface Plan {
   lefort_plan: 1;
   title?: string;
-  segmentation?: { labels?: string; bone_hu?: number; skin_hu?: number };
+  segmentation?: { labels?: string; teeth?: string; bone_hu?: number; skin_hu?: number };
   landmarks?: string | Record<string, Vec3>;
   segments: Segment[];
   tissue?: Tissue;

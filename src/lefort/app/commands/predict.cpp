@@ -20,6 +20,9 @@ void add_predict_command(CLI::App& cli, CommandContext& context) {
       ->required();
   mark_path(command->add_option("--ct", job->ct, "The scan, instead of the one the plan names"),
             PathKind::kScan);
+  command->add_option("--teeth", job->teeth,
+                      "Teeth of interface and lips, instead of the plan's: auto, none, or a tooth "
+                      "map (teeth.seg.nrrd)");
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
   command->add_flag("--no-sensitivity", *no_sensitivity,
                     "Skip the comparison of bonded and contact interfaces on a coarse mesh");

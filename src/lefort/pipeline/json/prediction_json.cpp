@@ -305,6 +305,12 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
       {"skin",
        {{"max_shift_mm", skin.max_mm}, {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
       {"steps", steps}};
+  if (prepared.teeth) {
+    Json& teeth = json["inputs"]["teeth"];
+    teeth = {{"source", io::name_of(prepared.plan.teeth_source)}, {"numbers", Json::array()}};
+    for (const predict::JawTooth& tooth : prepared.teeth->teeth)
+      teeth["numbers"].push_back(tooth.fdi);
+  }
   if (!prediction.converged()) {
     json["failure"] = prediction.failure->message;
     json["failed_attempts"] = attempts_json(prediction.failed_attempts);

@@ -129,6 +129,9 @@ StageCache cache_of(const PredictJob& job) {
 Result<LoadedPlan> load_plan(const PredictJob& job, const StageCache& cache, Progress& progress) {
   LEFORT_TRY(io::PlanText text, read_plan_of_scan(job.plan, job.ct, cache, progress));
   io::note_warnings(text.plan.warnings, progress);
+  if (job.teeth) {
+    LEFORT_TRY(text, io::parse_completed_plan(job.plan, io::with_teeth(text.json, *job.teeth)));
+  }
   LEFORT_TRY(fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
   return LoadedPlan{std::move(text), std::move(ct)};
 }

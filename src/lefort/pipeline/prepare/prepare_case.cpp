@@ -12,6 +12,7 @@
 #include <lefort/pipeline/prepare/cached_field.h>
 #include <lefort/pipeline/prepare/find_obstacles.h>
 #include <lefort/pipeline/prepare/load_head.h>
+#include <lefort/pipeline/prepare/load_teeth.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
 #include <lefort/plan/elevation_zone.h>
@@ -136,6 +137,7 @@ struct FaceInputs {
   const std::vector<plan::PlannedSegment>& planned;
   const predict::BoundaryLabelMap* painted;  ///< Boundary conditions, or null.
   const plan::Landmarks& landmarks;
+  const predict::JawTeeth* teeth;  ///< Or null.
 };
 
 /// The lips of the plan's options and landmarks.
@@ -147,7 +149,8 @@ predict::TissueWithLips make_lips(mesh::VolumeMesh tissue, const predict::Tissue
     search = predict::find_oral_fissure(face.head.labels, domain.soft_tissue_level,
                                         {.stomion_L = plan::find_landmark(face.landmarks, "Stm"),
                                          .right_L = plan::find_landmark(face.landmarks, "Ch-R"),
-                                         .left_L = plan::find_landmark(face.landmarks, "Ch-L")});
+                                         .left_L = plan::find_landmark(face.landmarks, "Ch-L")},
+                                        face.teeth);
   predict::TissueWithLips found =
       predict::separate_lips(std::move(tissue), domain, std::move(search));
   progress.note(predict::describe(found.lips));
@@ -189,10 +192,12 @@ Result<Tissue> make_tissue(const FaceInputs& face, const predict::TissueOptions&
   const std::vector<plan::ElevationZone> zones =
       plan::elevation_zones(face.cut, face.planned, boundary.elevation_margin_mm);
   return Tissue{
-      predict::find_tissue_boundary(
-          std::move(with_lips.tissue), domain, head.labels, face.skin_L,
-          {.segments_L = face.cut.segments_L, .remainder_L = remainder_L, .elevation = zones},
-          boundary, face.painted),
+      predict::find_tissue_boundary(std::move(with_lips.tissue), domain, head.labels, face.skin_L,
+                                    {.segments_L = face.cut.segments_L,
+                                     .remainder_L = remainder_L,
+                                     .elevation = zones,
+                                     .teeth = face.teeth},
+                                    boundary, face.painted),
       std::move(with_lips.lips), std::move(layered)};
 }
 
@@ -300,15 +305,17 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   if (plan.boundary_labels) {
     LEFORT_TRY(painted, io::read_boundary_labels(*plan.boundary_labels, grid, progress));
   }
+  LEFORT_TRY(std::optional<predict::JawTeeth> teeth, load_teeth(plan, head, progress));
   LEFORT_TRY(geometry::TriangleMesh skin_L,
              anatomy::extract_isosurface(
                  anatomy::skin_level(head.scan.ct, head.labels, head.levels), {}, progress));
   LEFORT_TRY(BonesAndFields bones, cut_bone(plan, head, cache, progress));
   LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(bones, plan, cache, progress));
-  LEFORT_TRY(Tissue made, make_tissue({head, skin_L, bones.cut, plan.segments,
-                                       painted ? &*painted : nullptr, plan.landmarks},
-                                      plan.tissue, plan.boundary, cache, progress));
+  LEFORT_TRY(Tissue made,
+             make_tissue({head, skin_L, bones.cut, plan.segments, painted ? &*painted : nullptr,
+                          plan.landmarks, teeth ? &*teeth : nullptr},
+                         plan.tissue, plan.boundary, cache, progress));
   predict::TissueBoundary& boundary = made.boundary;
   note_boundary(boundary, plan, painted.has_value(), progress);
   LEFORT_TRY(std::optional<predict::ContactBone> stationary_bone,
@@ -337,7 +344,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                       std::move(skin_layer),
                       std::move(overlaps),
                       std::move(head),
-                      std::move(painted)};
+                      std::move(painted),
+                      std::move(teeth)};
 }
 
 namespace {
@@ -350,7 +358,8 @@ Result<predict::FaceModel> remodel(const PreparedCase& prepared,
                                    const StageCache& cache, Progress& progress) {
   LEFORT_TRY(Tissue made,
              make_tissue({prepared.head, prepared.skin_L, prepared.cut, prepared.plan.segments,
-                          prepared.painted ? &*prepared.painted : nullptr, prepared.plan.landmarks},
+                          prepared.painted ? &*prepared.painted : nullptr, prepared.plan.landmarks,
+                          prepared.teeth ? &*prepared.teeth : nullptr},
                          tissue, boundary, cache, progress));
   predict::TissueBoundary& found = made.boundary;
   const geometry::TriangleMesh& remainder_L = prepared.cut.remainder_L;

@@ -15,6 +15,7 @@
 #include <lefort/plan/cut_segments.h>
 #include <lefort/predict/bone_overlap_at_fraction.h>
 #include <lefort/predict/face_preview.h>
+#include <lefort/predict/jaw_teeth.h>
 #include <lefort/predict/predict_face.h>
 
 #include <filesystem>
@@ -51,6 +52,8 @@ struct PreparedCase {
   std::vector<predict::BoneOverlapAtFraction> overlaps;
   ScannedHead head;
   std::optional<predict::BoundaryLabelMap> painted;  ///< Boundary conditions painted by the user.
+  /// Of interface and lips.
+  std::optional<predict::JawTeeth> teeth = std::nullopt;
 
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
     return plan::paths_of(plan.segments);
@@ -71,10 +74,10 @@ struct PreparedCase {
 /// \param plan_sha256  SHA-256 of the text of the plan.
 /// \param ct           the scan.
 /// \param cache        of labels, fields and the tissue's mesh.
-/// \returns the case; the errors of scan_head(), io::read_boundary_labels(), plan::cut_segments(),
-///   field::build_distance_field(), predict::check_query_range(), and predict::mesh_tissue() or
-///   predict::mesh_tissue_and_skin(); or kPlanInvalid if the plan has a material for muscle and the
-///   labels contain no muscle.
+/// \returns the case; the errors of scan_head(), load_teeth(), io::read_boundary_labels(),
+///   plan::cut_segments(), field::build_distance_field(), predict::check_query_range(), and
+///   predict::mesh_tissue() or predict::mesh_tissue_and_skin(); or kPlanInvalid if the plan has a
+///   material for muscle and the labels contain no muscle.
 [[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                                 const std::filesystem::path& ct,
                                                 const StageCache& cache, Progress& progress);

@@ -21,6 +21,7 @@ const RULE_TITLES: Record<string, string> = {
   air: 'Airway, sinus, oral cavity',
   lips: 'Between the lips',
   vestibule: 'Teeth and gingiva',
+  crown: 'Crowns of teeth',
   overlap: 'Bone that enters other bone',
 };
 
@@ -36,7 +37,7 @@ const CONDITION_TITLES: Record<string, string> = {
 };
 
 /** Rules whose nodes may lie on any bone; the others say which. */
-const NAMES_BONE = new Set(['painted', 'osteotomy', 'joint', 'segment', 'vestibule']);
+const NAMES_BONE = new Set(['painted', 'osteotomy', 'joint', 'segment', 'vestibule', 'crown']);
 
 /** The interface map of the newest tissue mesh: a condition for each node of its boundary, and the rule that set it. */
 export function interfaceMapSection(app: App, s: State): Html {
