@@ -51,6 +51,23 @@ struct LandmarkBenchJob {
 ///   find_head_landmarks(); or kFileUnwritable.
 [[nodiscard]] Result<Summary> bench_landmarks(const LandmarkBenchJob& job, Progress& progress);
 
+struct DentalBenchJob {
+  int heads = 2;                 ///< Number of synthetic heads with teeth.
+  std::uint64_t seed = 101;      ///< Of the first head; the others follow.
+  int starts = 3;                ///< Random frames of scans and positions of the lower arch.
+  double voxel_mm = 0.6;         ///< Of the scans of the jaws.
+  double noise_hu = 20.0;        ///< Standard deviation.
+  std::filesystem::path output;  ///< A table, .csv: one line for each figure.
+};
+/// Errors of the dental functions on synthetic heads of random shape with teeth and canals
+/// (anatomy/parametric_head.h), which chose no constant: numbers of teeth, canals, intraoral scans
+/// in the CT, occlusion by search and from a bite scan after disturbances of up to 5 mm and 8
+/// degrees, and the fit of a splint. Labels and landmarks are the true ones.
+///
+/// \returns the table with targets; kInvalidArgument if `output` does not end in .csv; the errors of
+///   the functions (a search without a result counts as 99 mm); or kFileUnwritable.
+[[nodiscard]] Result<Summary> bench_dental(const DentalBenchJob& job, Progress& progress);
+
 struct PreviewBenchJob {
   std::filesystem::path plan;
   std::filesystem::path ct;

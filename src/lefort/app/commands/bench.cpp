@@ -154,6 +154,39 @@ void add_landmarks(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_dental(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::DentalBenchJob>();
+  CLI::App* const command = bench.add_subcommand(
+      "dental", "Measure teeth, scans, occlusion, splints and canals on synthetic heads");
+  command->add_option("--heads", job->heads, "Number of heads of random shape")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--seed", job->seed,
+                   "Seed of the first head; each further head has the next number")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      ->add_option("--starts", job->starts,
+                   "Random frames of the scans and positions of the lower arch of each head")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--voxel", job->voxel_mm, "Edge of a voxel [mm]")
+      ->check(CLI::Range(0.3, 1.0))
+      ->capture_default_str();
+  command->add_option("--noise", job->noise_hu, "Standard deviation of the noise [HU]")
+      ->check(CLI::Range(0.0, 200.0))
+      ->capture_default_str();
+  mark_path(command->add_option("-o,--output", job->output, "The figures, .csv"),
+            PathKind::kNewTable)
+      ->required();
+  command->footer("Example:\n  lefort bench dental --heads 5 --starts 10 -o dental.csv");
+  command->callback([job, &context] {
+    context.run("bench dental",
+                [&](Progress& progress) { return pipeline::bench_dental(*job, progress); });
+  });
+}
+
 void add_preview(CLI::App& bench, CommandContext& context) {
   const auto job = std::make_shared<pipeline::PreviewBenchJob>();
   CLI::App* const command = bench.add_subcommand(
@@ -358,6 +391,7 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   add_scaling(*bench, context);
   add_convergence(*bench, context);
   add_landmarks(*bench, context);
+  add_dental(*bench, context);
   add_preview(*bench, context);
   add_detection(*bench, context);
   add_field_task(*bench, context);
