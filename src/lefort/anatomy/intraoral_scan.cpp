@@ -69,7 +69,8 @@ geometry::TriangleMesh kept(const geometry::TriangleMesh& mesh,
 }  // namespace
 
 Result<geometry::TriangleMesh> scanned_arch(const ParametricHead& head, bool is_upper,
-                                            double spacing_mm, Progress& progress) {
+                                            double spacing_mm, double noise_mm, std::uint64_t seed,
+                                            Progress& progress) {
   const auto [box_H, X_LH] = box_of_crowns(head, is_upper);
   image::Grid grid;
   grid.spacing_mm = Vec3::Constant(spacing_mm);
@@ -84,10 +85,14 @@ Result<geometry::TriangleMesh> scanned_arch(const ParametricHead& head, bool is_
   parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
     const Index j = line % grid.size[1], k = line / grid.size[1];
     if (j == 0 || k == 0 || j + 1 == grid.size[1] || k + 1 == grid.size[2]) return;
+    std::mt19937_64 bits(seed * 1000003 + std::uint64_t(line));
     for (Index i = 1; i + 1 < grid.size[0]; ++i) {
       const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
       const double bone = is_upper ? head.skull_bone(p_L) : head.mandible_bone(p_L);
-      level.at(i, j, k) = float(implicit::join(tooth_at(p_L), bone + kGingivaDepth_mm, 0.4));
+      double noise = -2.0;  // Sum of four uniform numbers: nearly normal, variance 1 / 3.
+      for (int n = 0; n < 4; ++n) noise += double(bits() >> 11) * 0x1p-53;
+      level.at(i, j, k) = float(implicit::join(tooth_at(p_L), bone + kGingivaDepth_mm, 0.4) +
+                                noise_mm * std::numbers::sqrt3 * noise);
     }
   });
   LEFORT_TRY(const geometry::TriangleMesh closed_L, extract_isosurface(level, {}, progress));
@@ -125,18 +130,6 @@ geometry::TriangleMesh scanned_bite(const ParametricHead& head,
     keep[std::size_t(n)] = normal.dot(outward) > kFacing * normal.norm() * outward.norm() ? 1 : 0;
   }
   return kept(all, keep);
-}
-
-geometry::TriangleMesh with_noise(geometry::TriangleMesh mesh, double noise_mm,
-                                  std::uint64_t seed) {
-  std::mt19937_64 bits(seed);
-  for (Vec3& vertex : mesh.vertices)
-    for (Index axis = 0; axis < 3; ++axis) {
-      double noise = -2.0;  // Sum of four uniform numbers: nearly normal, variance 1 / 3.
-      for (int n = 0; n < 4; ++n) noise += double(bits() >> 11) * 0x1p-53;
-      vertex[axis] += noise_mm * std::numbers::sqrt3 * noise;
-    }
-  return mesh;
 }
 
 }  // namespace lefort::anatomy

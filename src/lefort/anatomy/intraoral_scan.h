@@ -17,9 +17,12 @@ namespace lefort::anatomy {
 /// \param is_upper    which jaw.
 /// \param spacing_mm  of the grid on which the level-set functions are sampled, about the length of
 ///                    the edges of triangles.
+/// \param noise_mm    standard deviation of the level-set functions at the points of the grid.
+/// \param seed        of the noise; same bits for the same seed.
 /// \returns the surface in L, outward; or the errors of extract_isosurface().
 [[nodiscard]] Result<geometry::TriangleMesh> scanned_arch(const ParametricHead& head, bool is_upper,
-                                                          double spacing_mm,
+                                                          double spacing_mm, double noise_mm,
+                                                          std::uint64_t seed,
                                                           Progress& progress = Progress::none());
 
 /// What a scan of the bite shows of both arches: triangles that face the cheeks and the lips.
@@ -30,10 +33,5 @@ namespace lefort::anatomy {
 [[nodiscard]] geometry::TriangleMesh scanned_bite(const ParametricHead& head,
                                                   const geometry::TriangleMesh& upper_L,
                                                   const geometry::TriangleMesh& lower_L);
-
-/// Moves the vertices by noise with a standard deviation along each axis [mm]. Same bits for the
-/// same seed.
-[[nodiscard]] geometry::TriangleMesh with_noise(geometry::TriangleMesh mesh, double noise_mm,
-                                                std::uint64_t seed);
 
 }  // namespace lefort::anatomy

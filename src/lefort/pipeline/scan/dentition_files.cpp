@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <string>
+#include <cstdint>
 #include <utility>
 
 namespace lefort::pipeline {
@@ -57,9 +57,14 @@ Result<void> write_dentition_files(const anatomy::ParametricHead& head,
                                    const std::filesystem::path& folder, Progress& progress) {
   nlohmann::json truth = truth_of(head);
   progress.begin_stage("scan the teeth");
-  LEFORT_TRY(const auto upper_L, anatomy::scanned_arch(head, true, kScanSpacing_mm, progress));
-  LEFORT_TRY(const auto lower_L, anatomy::scanned_arch(head, false, kScanSpacing_mm, progress));
-  const geometry::TriangleMesh bite_L = anatomy::scanned_bite(head, upper_L, lower_L);
+  const auto arch = [&](bool is_upper, std::uint64_t seed) {
+    return anatomy::scanned_arch(head, is_upper, kScanSpacing_mm, kScanNoise_mm, seed, progress);
+  };
+  LEFORT_TRY(const auto upper_L, arch(true, 11));
+  LEFORT_TRY(const auto lower_L, arch(false, 12));
+  LEFORT_TRY(const auto upper_again_L, arch(true, 13));  // The bite has noise of its own.
+  LEFORT_TRY(const auto lower_again_L, arch(false, 14));
+  const geometry::TriangleMesh bite_L = anatomy::scanned_bite(head, upper_again_L, lower_again_L);
   struct Scan {
     const char* name;
     const geometry::TriangleMesh& mesh_L;
@@ -68,11 +73,9 @@ Result<void> write_dentition_files(const anatomy::ParametricHead& head,
   const Scan scans[] = {{"upper", upper_L, scanner_frame({1, 2, -1}, 130.0, {20, -45, 12})},
                         {"lower", lower_L, scanner_frame({-2, 1, 1}, 75.0, {-8, 31, 60})},
                         {"bite", bite_L, scanner_frame({1, -1, 3}, -100.0, {55, 4, -27})}};
-  std::uint64_t seed = 11;
   for (const auto& [name, mesh_L, X_scan_L] : scans) {
-    const geometry::TriangleMesh noisy = anatomy::with_noise(mesh_L, kScanNoise_mm, seed++);
     LEFORT_TRY_VOID(io::write_surface(folder / fmt::format("{}_scan.stl", name),
-                                      geometry::transformed(noisy, X_scan_L)));
+                                      geometry::transformed(mesh_L, X_scan_L)));
     truth[fmt::format("{}_scan_to_ct_4x4_row_major_mm_lps", name)] = as_json(X_scan_L.inverse());
   }
   return io::write_text(folder / "truth.json", truth.dump(2) + "\n");
