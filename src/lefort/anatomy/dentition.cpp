@@ -72,8 +72,8 @@ double superellipse(double x, double y, double a, double b, double exponent) {
   const double u = std::abs(x) / a, v = std::abs(y) / b;
   const double f = std::pow(std::pow(u, exponent) + std::pow(v, exponent), 1.0 / exponent);
   if (f < 0.3) return std::min(a, b) * (1.0 - f);
-  const double slope = std::hypot(std::pow(u / f, exponent - 1.0) / a,
-                                  std::pow(v / f, exponent - 1.0) / b);
+  const double slope =
+      std::hypot(std::pow(u / f, exponent - 1.0) / a, std::pow(v / f, exponent - 1.0) / b);
   return std::min((1.0 - f) / slope, std::min(a, b));
 }
 
@@ -111,7 +111,8 @@ Top top_of(const ToothForm& t, double x, double y) {
   for (const Cusp& cusp : t.cusps) {
     // The tip of a canine is a ridge from labial to lingual.
     const double across = is_front(t) ? 0.0 : y - cusp.buccal_mm;
-    const double d = std::sqrt(squared_mm2(x - cusp.distal_mm) + squared_mm2(across) + kRound_mm * kRound_mm);
+    const double d =
+        std::sqrt(squared_mm2(x - cusp.distal_mm) + squared_mm2(across) + kRound_mm * kRound_mm);
     const double one = t.crown_mm - cusp.below_mm - steepness * (d - kRound_mm);
     height = height < -1e8 ? one : join(height, one, 0.3);
   }
@@ -125,7 +126,8 @@ double molar_roots(const ToothForm& t, const Vec3& p) {
   double roots = -1e9;
   for (const double side : {-1.0, 1.0}) {
     if (t.is_upper) {
-      roots = std::max(roots, cone(p, {side * x, y, top}, {1.3 * side * x, 1.2 * y, end}, 1.7, 1.1));
+      roots =
+          std::max(roots, cone(p, {side * x, y, top}, {1.3 * side * x, 1.2 * y, end}, 1.7, 1.1));
       continue;
     }
     for (const double across : {-1.0, 1.0})  // One flat root: two cones that overlap.
@@ -162,7 +164,8 @@ CrownAndRoot levels_of(const ToothForm& t, const Vec3& p) {
 
 void add(const ToothForm& t, const Vec3& p_M, ToothLevels& levels) {
   const Vec3 arm = p_M - (t.origin_M + 0.5 * (t.crown_mm - t.root_mm) * t.axes_M.col(2));
-  const double reach = std::hypot(0.5 * (t.crown_mm + t.root_mm), 0.6 * t.depth_mm) + kToothReach_mm;
+  const double reach =
+      std::hypot(0.5 * (t.crown_mm + t.root_mm), 0.6 * t.depth_mm) + kToothReach_mm;
   if (arm.squaredNorm() > reach * reach) return;
   const Vec3 p = t.axes_M.transpose() * (p_M - t.origin_M);
   const auto [all, root] = levels_of(t, p);

@@ -26,16 +26,16 @@ struct Cusp {
 /// One tooth. Its frame: the origin in the middle of the neck; columns of `axes` to distal, to
 /// buccal, and along the axis to the crown. On the left side it is left-handed.
 struct ToothForm {
-  int fdi = 0;                        ///< ISO 3950.
-  double crown_mm = 0.0;              ///< From the neck to the tip.
-  double root_mm = 0.0;               ///< From the neck to the apex.
-  double width_mm = 0.0;              ///< Mesiodistal, of the crown.
-  double neck_width_mm = 0.0;         ///< Mesiodistal, of the neck.
-  double depth_mm = 0.0;              ///< Buccolingual, of the crown.
-  double neck_depth_mm = 0.0;         ///< Buccolingual, of the neck.
-  std::vector<Cusp> cusps;            ///< Empty: an incisor.
-  Vec3 origin_M = Vec3::Zero();       ///< In the frame of the dentition.
-  Mat3 axes_M = Mat3::Identity();     ///< In the frame of the dentition.
+  int fdi = 0;                     ///< ISO 3950.
+  double crown_mm = 0.0;           ///< From the neck to the tip.
+  double root_mm = 0.0;            ///< From the neck to the apex.
+  double width_mm = 0.0;           ///< Mesiodistal, of the crown.
+  double neck_width_mm = 0.0;      ///< Mesiodistal, of the neck.
+  double depth_mm = 0.0;           ///< Buccolingual, of the crown.
+  double neck_depth_mm = 0.0;      ///< Buccolingual, of the neck.
+  std::vector<Cusp> cusps;         ///< Empty: an incisor.
+  Vec3 origin_M = Vec3::Zero();    ///< In the frame of the dentition.
+  Mat3 axes_M = Mat3::Identity();  ///< In the frame of the dentition.
   bool is_upper = false;
 
   /// The middle of the crown, between neck and tip.

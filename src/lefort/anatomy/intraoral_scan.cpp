@@ -27,8 +27,7 @@ struct ArchBox {
 /// Around the crowns, in the frame of the head when the jaw is in occlusion.
 ArchBox box_of_crowns(const ParametricHead& head, bool is_upper) {
   constexpr double kMargin_mm = 7.0, kAbove_mm = 2.5;
-  ArchBox arch{{},
-               is_upper ? head.X_LH() : head.X_L_occlusion().inverse() * head.X_LH()};
+  ArchBox arch{{}, is_upper ? head.X_LH() : head.X_L_occlusion().inverse() * head.X_LH()};
   const RigidTransform X_HL = arch.X_LH.inverse();
   Box3 necks;
   for (const ToothForm& tooth : head.dentition().teeth()) {
@@ -101,8 +100,7 @@ Result<geometry::TriangleMesh> scanned_arch(const ParametricHead& head, bool is_
   const RigidTransform X_HL = X_LH.inverse();
   std::vector<std::uint8_t> keep(closed_L.triangles.size(), 1);
   parallel_for(Index(keep.size()), [&](Index n) {
-    const Vec3 p_L =
-        (closed_L.corner(n, 0) + closed_L.corner(n, 1) + closed_L.corner(n, 2)) / 3.0;
+    const Vec3 p_L = (closed_L.corner(n, 0) + closed_L.corner(n, 1) + closed_L.corner(n, 2)) / 3.0;
     const Vec3 p_H = X_HL * p_L;
     const bool is_cut = (p_H.array() < low.array()).any() || (p_H.array() > high.array()).any();
     keep[std::size_t(n)] = !is_cut && tooth_at(p_L) > -kBeside_mm ? 1 : 0;

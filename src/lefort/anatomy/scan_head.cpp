@@ -97,9 +97,11 @@ class ScannedHead {
       return between(kHeadBone_hu, kHeadMarrow_hu, fraction(depth_mm));
     }
     if (mandible < 0.0) return kHeadBone_hu;
-    const double marrow = between(kHeadBone_hu, kHeadMarrow_hu, fraction(mandible - kMandibleCortex_mm));
+    const double marrow =
+        between(kHeadBone_hu, kHeadMarrow_hu, fraction(mandible - kMandibleCortex_mm));
     const double r = distance_to_lines(canals_L_, p_L);
-    const double wall = between(marrow, kHeadCanalWall_hu, fraction(kCanalRadius_mm + kCanalWall_mm - r));
+    const double wall =
+        between(marrow, kHeadCanalWall_hu, fraction(kCanalRadius_mm + kCanalWall_mm - r));
     return between(wall, kHeadCanal_hu, fraction(kCanalRadius_mm - r));
   }
 

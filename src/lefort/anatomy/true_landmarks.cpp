@@ -204,18 +204,16 @@ class TrueLandmarks {
     at_["Me"] = climb_in_section(mandible_, chin({0, -82, -95}), {0, 0, -1});
     at_["Gn"] = climb_in_section(mandible_, chin({0, -88, -93}), {0, -1, -1});
     const bool teeth = head_.has_dentition();
-    const Vec3 crest =
-        teeth ? of_incisors(mandible_, 41, 31, {0, -1, 0})
-              : climb_in_section(mandible_, place_opened({0, -90, -57}), {0, -1, 0});
+    const Vec3 crest = teeth ? of_incisors(mandible_, 41, 31, {0, -1, 0})
+                             : climb_in_section(mandible_, place_opened({0, -90, -57}), {0, -1, 0});
     at_["B"] = deepest(mandible_, chin({0, -86, -72}, 0.6), at_.at("Pg"), crest);
     at_["L1"] = teeth ? of_incisors(mandible_, 41, 31, {0, 0, 1})
                       : climb_in_section(mandible_, place_opened({0, -87, -49}), {0, 0, 1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
       const Vec3 cusp(0.35 * sign, 0, 0.94);
-      at_["L6" + side] = teeth
-                             ? of_molar(mandible_, sign > 0.0 ? 36 : 46, cusp)
-                             : climb(mandible_, place_opened({sign * 27.5, -63.0, -52.0}), cusp);
+      at_["L6" + side] = teeth ? of_molar(mandible_, sign > 0.0 ? 36 : 46, cusp)
+                               : climb(mandible_, place_opened({sign * 27.5, -63.0, -52.0}), cusp);
       at_["Co" + side] = climb(mandible_, place_opened({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
       at_["Cdl" + side] = climb(mandible_, place_opened({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
       at_["Cdm" + side] = climb(mandible_, place_opened({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});

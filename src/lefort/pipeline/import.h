@@ -47,8 +47,8 @@ enum class PhantomVariant {
 
 /// Which synthetic head.
 enum class PhantomHead {
-  kSimple,   ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
-  kTeeth,    ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
+  kSimple,    ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
+  kTeeth,     ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
   kOpenBite,  ///< The same with the mandible opened by 4 degrees: open bite, closed lips.
   kDentition  ///< With single teeth (anatomy/dentition.h), marrow and canals, and a mandible that is
               ///< not in occlusion.
@@ -61,8 +61,9 @@ struct PhantomJob {
   double voxel_mm = 1.4;   ///< Edge of a voxel; > 0.
   double noise_hu = 12.0;  ///< Standard deviation of the noise of the scan.
   // Of kDentition:
-  std::uint64_t shape = 0;    ///< 0: the mean head; else a random one (anatomy::draw_head_shape()).
-  double retrusion_mm = 5.0;  ///< Of the body of the mandible with its teeth; negative: to anterior.
+  std::uint64_t shape = 0;  ///< 0: the mean head; else a random one (anatomy::draw_head_shape()).
+  double retrusion_mm =
+      5.0;  ///< Of the body of the mandible with its teeth; negative: to anterior.
   double deviation_mm = 2.0;  ///< The same to the left.
 };
 

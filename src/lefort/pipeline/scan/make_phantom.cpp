@@ -154,11 +154,10 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
     LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks.mrk.json", phantom.landmarks));
   if (head.has_dentition()) LEFORT_TRY_VOID(write_dentition_files(head, job.output, progress));
   Summary summary;
-  summary.text =
-      fmt::format("{}: {} slices in dicom, and their labels in labels.seg.nrrd{}{}",
-                  job.output.string(), count,
-                  phantom.landmarks.empty() ? "" : "; landmarks in landmarks.mrk.json",
-                  head.has_dentition() ? "; intraoral scans, and what is true in truth.json" : "");
+  summary.text = fmt::format(
+      "{}: {} slices in dicom, and their labels in labels.seg.nrrd{}{}", job.output.string(), count,
+      phantom.landmarks.empty() ? "" : "; landmarks in landmarks.mrk.json",
+      head.has_dentition() ? "; intraoral scans, and what is true in truth.json" : "");
   summary.json = {{"output", job.output.string()}, {"slices", count}};
   return summary;
 }
