@@ -29,8 +29,8 @@ HeadShape shape() {
   return s;
 }
 
-double largest_miss_mm(const geometry::TriangleMesh& mesh, const RigidTransform& X,
-                       const RigidTransform& truth) {
+double max_miss_mm(const geometry::TriangleMesh& mesh, const RigidTransform& X,
+                   const RigidTransform& truth) {
   double miss_mm = 0.0;
   for (const Vec3& p : mesh.vertices) miss_mm = std::max(miss_mm, (X * p - truth * p).norm());
   return miss_mm;
@@ -93,13 +93,13 @@ TEST(DentitionHead, teeth_are_numbered_and_scans_registered) {
     const geometry::TriangleMesh file = geometry::transformed(*arch_L, X_scan_L);
     const auto fit = register_arch(file, *crowns, nullptr);
     ASSERT_TRUE(fit) << fit.error().message;
-    EXPECT_LT(largest_miss_mm(file, fit->X_L_scan, X_scan_L.inverse()), 0.2) << is_upper;
+    EXPECT_LT(max_miss_mm(file, fit->X_L_scan, X_scan_L.inverse()), 0.2) << is_upper;
     EXPECT_LT(turn_deg(fit->X_L_scan, X_scan_L.inverse()), 0.5) << is_upper;
     arches_L[is_upper ? 0 : 1] = geometry::transformed(file, fit->X_L_scan);
   }
   const auto occlusion = find_occlusion(arches_L[0], arches_L[1], ArchAxes{});
   ASSERT_TRUE(occlusion) << occlusion.error().message;
-  EXPECT_LT(largest_miss_mm(arches_L[1], occlusion->X_L_lower, head.X_L_occlusion()), 0.3);
+  EXPECT_LT(max_miss_mm(arches_L[1], occlusion->X_L_lower, head.X_L_occlusion()), 0.3);
   EXPECT_LT(turn_deg(occlusion->X_L_lower, head.X_L_occlusion()), 0.5);
 }
 

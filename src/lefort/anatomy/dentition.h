@@ -52,11 +52,11 @@ struct ToothForm {
 /// by construction. Sections of crowns are superellipses; cusps are rounded cones; molars have two
 /// or three roots. There is no pulp and no periodontal ligament.
 ///
-/// Frame M: that of the mean head (parametric_head.h), x to the patient's left, y to posterior, z to
-/// superior.
+/// Frame M: that of the mean head (parametric_head.h), x to the patient's left, y to posterior, z
+/// to superior.
 class Dentition {
  public:
-  /// \param seed  of small rotations, inclinations and cusp heights, which differ between the sides.
+  /// \param seed  of small rotations, inclinations and cusp heights, which differ between sides.
   explicit Dentition(std::uint64_t seed);
 
   [[nodiscard]] ToothLevels upper(const Vec3& p_M) const;

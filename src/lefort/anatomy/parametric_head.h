@@ -38,11 +38,11 @@ struct HeadShape {
   double opening_rad = 0.0;
   Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();
-  /// Seed of the teeth (dentition.h), which then move with upper_incisors_mm in both jaws; 0: ridges
-  /// instead of teeth. With teeth the opening is a rigid motion after the scale.
+  /// Seed of the teeth (dentition.h), which then move with upper_incisors_mm in both jaws; 0:
+  /// ridges instead of teeth. With teeth the opening is a rigid motion after the scale.
   std::uint64_t dentition = 0;
   /// With teeth: the lower ones and the body of the mandible, from occlusion; the rami stay. The
-  /// rotation is about the middle of the lower arch, both are after the scale and before the opening.
+  /// rotation is about the middle of the lower arch. Both are after the scale, before the opening.
   Vec3 jaw_offset_mm = Vec3::Zero();
   Vec3 jaw_rotation_rad = Vec3::Zero();
 };

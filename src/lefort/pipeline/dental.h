@@ -71,8 +71,8 @@ struct OcclusionJob {
   /// their own to the occlusion with the lower arch. `teeth` is needed.
   std::vector<std::array<int, 2>> cuts;
   std::optional<std::filesystem::path> teeth;  ///< teeth.json of number_teeth_of_scan().
-  /// Planned motion of the upper jaw, .tfm. With it the motion of the lower jaw to the occlusion with
-  /// the moved upper one is written, too.
+  /// Planned motion of the upper jaw, .tfm. With it the motion of the lower jaw to the occlusion
+  /// with the moved upper one is written, too.
   std::optional<std::filesystem::path> upper_transform;
   std::filesystem::path output;  ///< A folder; made if missing.
 };

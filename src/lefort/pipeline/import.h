@@ -50,8 +50,8 @@ enum class PhantomHead {
   kSimple,    ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
   kTeeth,     ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
   kOpenBite,  ///< The same with the mandible opened by 4 degrees: open bite, closed lips.
-  kDentition  ///< With single teeth (anatomy/dentition.h), marrow and canals, and a mandible that is
-              ///< not in occlusion.
+  /// With single teeth (anatomy/dentition.h), marrow, canals, and a mandible not in occlusion.
+  kDentition
 };
 
 struct PhantomJob {

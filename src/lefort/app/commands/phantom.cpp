@@ -33,6 +33,22 @@ void add_cohort_options(CLI::App& command, pipeline::PhantomCohortJob& cohort) {
       ->capture_default_str();
 }
 
+void add_head_option(CLI::App& command, pipeline::PhantomJob& job) {
+  const std::map<std::string, pipeline::PhantomHead> heads{
+      {"simple", pipeline::PhantomHead::kSimple},
+      {"teeth", pipeline::PhantomHead::kTeeth},
+      {"open-bite", pipeline::PhantomHead::kOpenBite},
+      {"dentition", pipeline::PhantomHead::kDentition}};
+  command
+      .add_option(
+          "--head", job.head,
+          "Simple shapes; with orbits, nose, teeth, lips and known landmarks; the same with an "
+          "open bite of 4 degrees; or with 28 single teeth, canals and intraoral scans")
+      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth,open-bite,dentition}"))
+      ->type_name("TEXT")
+      ->default_str("simple");
+}
+
 void add_dentition_options(CLI::App& command, pipeline::PhantomJob& job) {
   command
       .add_option("--shape", job.shape,
@@ -75,19 +91,7 @@ void add_phantom_command(CLI::App& cli, CommandContext& context) {
           "{plain,tilted,shuffled,oblique,feet-first}"))
       ->type_name("TEXT")
       ->default_str("plain");
-  const std::map<std::string, pipeline::PhantomHead> heads{
-      {"simple", pipeline::PhantomHead::kSimple},
-      {"teeth", pipeline::PhantomHead::kTeeth},
-      {"open-bite", pipeline::PhantomHead::kOpenBite},
-      {"dentition", pipeline::PhantomHead::kDentition}};
-  command
-      ->add_option(
-          "--head", job->head,
-          "Simple shapes; with orbits, nose, teeth, lips and known landmarks; the same with an "
-          "open bite of 4 degrees; or with 28 single teeth, canals and intraoral scans")
-      ->transform(CLI::CheckedTransformer(heads).description("{simple,teeth,open-bite,dentition}"))
-      ->type_name("TEXT")
-      ->default_str("simple");
+  add_head_option(*command, *job);
   CLI::Option* const voxel = command
                                  ->add_option("--voxel", job->voxel_mm,
                                               "Edge of a voxel [mm]; default: 1.4, of a cohort "

@@ -10,9 +10,9 @@
 
 namespace lefort::pipeline {
 
-/// Writes `upper_scan.stl`, `lower_scan.stl`, `bite_scan.stl`, each in a frame of its own with noise
-/// of 0.03 mm, and `truth.json`: the motion of each scan into the CT, the motion of the lower jaw of
-/// the CT to occlusion, the crowns of the teeth and the canals in the CT. All in mm and LPS.
+/// Writes `upper_scan.stl`, `lower_scan.stl`, `bite_scan.stl`, each in a frame of its own with
+/// noise of 0.03 mm, and `truth.json`: the motion of each scan into the CT, the motion of the lower
+/// jaw of the CT to occlusion, the crowns of the teeth and the canals in the CT. All in mm and LPS.
 ///
 /// \returns nothing, the errors of anatomy::scanned_arch(), kFileUnwritable, or kCancelled.
 [[nodiscard]] Result<void> write_dentition_files(const anatomy::ParametricHead& head,
