@@ -82,7 +82,7 @@ TEST(DentitionHead, teeth_are_numbered_and_scans_registered) {
   }
   std::array<geometry::TriangleMesh, 2> arches_L;
   for (const bool is_upper : {true, false}) {
-    const auto arch_L = anatomy::scanned_arch(head, is_upper, 0.35, 0.03, 5);
+    const auto arch_L = anatomy::scanned_arch(head, is_upper, 0.4, 0.03, 5);
     ASSERT_TRUE(arch_L) << arch_L.error().message;
     RigidTransform X_scan_L = RigidTransform::Identity();
     X_scan_L.linear() =
