@@ -17,6 +17,8 @@ using implicit::tube;
 using implicit::without;
 
 constexpr double kStomion_mm = -49.0;  // Height of the line between the lips, mean head.
+const Vec3 kHinge(0.0, -20.5, -6.5);
+const Vec3 kLowerArch(0.0, -65.0, -55.0);  // The middle of the lower arch.
 
 /// The right half of the head as a mirror image: |x|.
 Vec3 folded(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
@@ -29,8 +31,24 @@ Vec3 straightened(const Vec3& p, const HeadShape& shape) {
 
 /// Rotation of the mandible about the axis of its condyles; positive opens the mouth.
 Vec3 about_condyles(const Vec3& p, double angle_rad) {
-  const Vec3 hinge(0.0, -20.5, -6.5);
-  return hinge + Eigen::AngleAxisd(angle_rad, Vec3::UnitX()) * (p - hinge);
+  return kHinge + Eigen::AngleAxisd(angle_rad, Vec3::UnitX()) * (p - kHinge);
+}
+
+/// A rotation about a point.
+RigidTransform about(const Vec3& point, const Vec3& rotation_rad) {
+  RigidTransform X = RigidTransform::Identity();
+  if (const double angle = rotation_rad.norm(); angle > 0.0)
+    X.linear() = Eigen::AngleAxisd(angle, rotation_rad / angle).toRotationMatrix();
+  X.translation() = point - X.linear() * point;
+  return X;
+}
+
+/// The part of HeadShape::jaw_offset_mm by which the mandible moves at a place in the mean head: 0
+/// in the ramus, 1 in the body.
+double part_of_body(double y_mm) {
+  constexpr double kRamus_mm = -22.0, kBody_mm = -44.0;
+  const double t = std::clamp((y_mm - kRamus_mm) / (kBody_mm - kRamus_mm), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
 }
 
 Vec3 in_plane(const Vec3& v) { return {0.0, v.y(), v.z()}; }
@@ -107,7 +125,7 @@ double palate(const Vec3& p, const HeadShape& s) {
   return join(join(join(plate, posterior, 1.5), anterior, 2.0), vomer, 1.0);
 }
 
-double upper_teeth(const Vec3& p, const HeadShape& s) {
+double ridge_of_upper_teeth(const Vec3& p, const HeadShape& s) {
   const Vec3 q = folded(p), teeth = in_plane(s.upper_incisors_mm);
   const double incisors = ellipsoid(q, Vec3(0, -95, -44.5) + teeth, {9, 3.5, 7.5});
   const double arch = tube(
@@ -147,7 +165,7 @@ double lower_jaw(const Vec3& p, const HeadShape& s) {
   return join(join(join(body, ramus, 6.0), condyle, 4.0), point, 5.0);
 }
 
-double lower_teeth(const Vec3& p) {
+double ridge_of_lower_teeth(const Vec3& p) {
   const Vec3 q = folded(p);
   const double incisors = ellipsoid(q, {0, -87, -57}, {8, 3, 8.5});
   const double arch = tube(q, {{0, -86, -58}, {15, -80, -58}, {25, -62, -58}, {30, -46, -56}}, 4.0);
@@ -187,13 +205,39 @@ ParametricHead::ParametricHead(const HeadShape& shape) : shape_(shape) {
   if (const double angle = shape.rotation_rad.norm(); angle > 0.0)
     X_LH_.linear() = Eigen::AngleAxisd(angle, shape.rotation_rad / angle).toRotationMatrix();
   X_HL_ = X_LH_.inverse();
+  X_body_ = X_opening_ = X_jaw_ = RigidTransform::Identity();
+  if (shape.dentition == 0) return;
+  teeth_ = std::make_shared<Dentition>(shape.dentition);
+  X_opening_ = about(from_mean(kHinge), {shape.opening_rad, 0.0, 0.0});
+  X_body_ = Eigen::Translation3d(shape.jaw_offset_mm) *
+            about(from_mean(kLowerArch), shape.jaw_rotation_rad);
+  X_jaw_ = X_opening_ * X_body_;
+}
+
+Vec3 ParametricHead::in_jaw(const Vec3& p_H) const {
+  if (!teeth_)
+    return straightened(about_condyles(p_H.cwiseQuotient(shape_.scale), -shape_.opening_rad),
+                        shape_);
+  const Vec3 q_H = X_opening_.inverse() * p_H;
+  const double part = part_of_body(q_H.y() / shape_.scale.y());
+  const Vec3 moved_H = q_H + part * (X_body_.inverse() * q_H - q_H);
+  return straightened(moved_H.cwiseQuotient(shape_.scale), shape_);
+}
+
+Vec3 ParametricHead::in_dentition(const Vec3& p_H) const {
+  return p_H.cwiseQuotient(shape_.scale) - in_plane(shape_.upper_incisors_mm);
+}
+
+Vec3 ParametricHead::from_tooth_L(const ToothForm& tooth, const Vec3& p_M) const {
+  const Vec3 closed_H = from_mean(p_M + in_plane(shape_.upper_incisors_mm));
+  return X_LH_ * (tooth.is_upper ? closed_H : Vec3(X_jaw_ * closed_H));
 }
 
 double ParametricHead::skin(const Vec3& p_L) const {
   const HeadShape& s = shape_;
   const Vec3 bent = (X_HL_ * p_L).cwiseQuotient(s.scale);
   const Vec3 p = straightened(bent, s), q = folded(p);
-  const Vec3 jaw = straightened(about_condyles(bent, -s.opening_rad), s);
+  const Vec3 jaw = in_jaw(X_HL_ * p_L);
   const double head = ellipsoid(p, {0, -8, 46}, {78, 96, 80});
   const double face = ellipsoid(p, {0, -40, -30}, {68, 62, 72});
   const double neck =
@@ -212,9 +256,15 @@ double ParametricHead::skin(const Vec3& p_L) const {
 }
 
 double ParametricHead::skull(const Vec3& p_L) const {
+  const double bone = skull_bone(p_L);
+  if (teeth_) return std::max(bone, upper_teeth(p_L).tooth);
+  return join(bone, ridge_of_upper_teeth((X_HL_ * p_L).cwiseQuotient(shape_.scale), shape_), 2.0);
+}
+
+double ParametricHead::skull_bone(const Vec3& p_L) const {
   const HeadShape& s = shape_;
   const Vec3 p = (X_HL_ * p_L).cwiseQuotient(s.scale), q = folded(p);
-  double bone = join(cranium(p, s), maxilla(p, s), 5.0);
+  double bone = join(cranium(p, s), alveolar(maxilla(p, s), p_L), 5.0);
   const double orbit = ellipsoid(q, {33, -70, 16}, {18, 44, 18 + s.orbit_mm});
   bone = join(without(bone, orbit, 2.0), rims(p, s), 3.0);
   const Vec3 spine = in_plane(s.anterior_spine_mm);
@@ -224,17 +274,46 @@ double ParametricHead::skull(const Vec3& p_L) const {
   // The mandibular fossa: a joint space of 2 mm around the head of the condyle.
   bone = without(bone, tube(q, {kCondyle.first, kCondyle.second}, kCondyleRadius_mm + 2.0), 1.0);
   const double pterygoid = tube(q, {{14, -42, -10}, {16, -41, -32}}, 3.0);
-  return join(join(bone, pterygoid, 2.0), upper_teeth(p, s), 2.0);
+  return join(bone, pterygoid, 2.0);
+}
+
+double ParametricHead::alveolar(double maxilla, const Vec3& p_L) const {
+  if (!teeth_) return maxilla;
+  constexpr double kCrest_mm = -41.8;  // Heuristic: above the necks of the teeth.
+  const double height_mm = in_dentition(X_HL_ * p_L).z() - kCrest_mm;
+  return join(-join(-maxilla, -height_mm, 2.0), upper_teeth(p_L).socket, 3.0);
 }
 
 double ParametricHead::mandible(const Vec3& p_L) const {
-  const Vec3 open = (X_HL_ * p_L).cwiseQuotient(shape_.scale);
-  const Vec3 p = straightened(about_condyles(open, -shape_.opening_rad), shape_);
-  return join(lower_jaw(p, shape_), lower_teeth(p), 2.0);
+  const double bone = mandible_bone(p_L);
+  if (teeth_) return std::max(bone, lower_teeth(p_L).tooth);
+  return join(bone, ridge_of_lower_teeth(in_jaw(X_HL_ * p_L)), 2.0);
+}
+
+double ParametricHead::mandible_bone(const Vec3& p_L) const {
+  const double bone = lower_jaw(in_jaw(X_HL_ * p_L), shape_);
+  return teeth_ ? join(bone, lower_teeth(p_L).socket, 3.0) : bone;
+}
+
+ToothLevels ParametricHead::upper_teeth(const Vec3& p_L) const {
+  return teeth_->upper(in_dentition(X_HL_ * p_L));
+}
+
+ToothLevels ParametricHead::lower_teeth(const Vec3& p_L) const {
+  return teeth_->lower(in_dentition(X_jaw_.inverse() * (X_HL_ * p_L)));
+}
+
+double ParametricHead::pharynx(const Vec3& p_L) const {
+  constexpr double kRadius_mm = 8.0, kTop_mm = -15.0;
+  const Vec3 p = (X_HL_ * p_L).cwiseQuotient(shape_.scale);
+  return std::min(kRadius_mm - std::hypot(p.x(), p.y() + 20.0), kTop_mm - p.z());
 }
 
 Vec3 ParametricHead::opened(const Vec3& mean) const {
-  return about_condyles(mean, shape_.opening_rad);
+  if (!teeth_) return about_condyles(mean, shape_.opening_rad);
+  const Vec3 p_H = from_mean(mean);
+  const Vec3 moved_H = p_H + part_of_body(mean.y()) * (X_body_ * p_H - p_H);
+  return (X_opening_ * moved_H).cwiseQuotient(shape_.scale);
 }
 
 HeadShape draw_head_shape(std::uint64_t seed) {
@@ -262,44 +341,6 @@ HeadShape draw_head_shape(std::uint64_t seed) {
   s.rotation_rad = vector(kTurn_rad, kTurn_rad, kTurn_rad);
   s.translation_mm = vector(15, 15, 15);
   return s;
-}
-
-LabeledScan scan_of(const ParametricHead& head, double voxel_mm, double noise_hu,
-                    std::uint64_t seed) {
-  constexpr double kAir_hu = -1000.0, kSoft_hu = 40.0, kBone_hu = 1000.0;
-  const Vec3 low(-96, -150, -125), high(96, 112, 140);
-  image::Grid grid;
-  grid.spacing_mm = Vec3::Constant(voxel_mm);
-  grid.origin_L = low + head.X_LH().translation();
-  for (Index axis = 0; axis < 3; ++axis)
-    grid.size[std::size_t(axis)] = Index((high[axis] - low[axis]) / voxel_mm) + 1;
-  LabeledScan scan{{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))},
-                   {grid, std::vector<Tissue>(std::size_t(grid.voxel_count()))}};
-  const auto fraction = [&](double level) { return std::clamp(0.5 + level / voxel_mm, 0.0, 1.0); };
-  parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
-    const Index j = line % grid.size[1], k = line / grid.size[1];
-    std::mt19937_64 bits(seed * 1000003 + std::uint64_t(line));
-    for (Index i = 0; i < grid.size[0]; ++i) {
-      const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
-      const double skin = head.skin(p_L);
-      double skull = -1e9, mandible = -1e9;
-      if (skin > -6.0) {
-        skull = head.skull(p_L);
-        mandible = head.mandible(p_L);
-      }
-      const double bone = std::max(skull, mandible);
-      double noise = -2.0;  // Sum of four uniform numbers: nearly normal, variance 1 / 3.
-      for (int n = 0; n < 4; ++n) noise += double(bits() >> 11) * 0x1p-53;
-      const double hu = kAir_hu + (kSoft_hu - kAir_hu) * fraction(std::max(skin, bone)) +
-                        (kBone_hu - kSoft_hu) * fraction(bone) +
-                        noise_hu * std::numbers::sqrt3 * noise;
-      scan.ct.at(i, j, k) = std::int16_t(std::lround(hu));
-      scan.labels.at(i, j, k) = bone > 0.0 ? (mandible > skull ? Tissue::kMandible : Tissue::kBone)
-                                : skin > 0.0 ? Tissue::kSoftTissue
-                                             : Tissue::kBackground;
-    }
-  });
-  return scan;
 }
 
 }  // namespace lefort::anatomy

@@ -5,11 +5,13 @@
 /// Unlike synthetic_head.h it has the concavities and ridges by which landmarks are defined.
 #pragma once
 
+#include <lefort/anatomy/dentition.h>
 #include <lefort/anatomy/head_from_surfaces.h>
 #include <lefort/core/types.h>
 #include <lefort/image/volume.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,13 @@ struct HeadShape {
   double opening_rad = 0.0;
   Vec3 rotation_rad = Vec3::Zero();  ///< Rotation vector of the head in the scan.
   Vec3 translation_mm = Vec3::Zero();
+  /// Seed of the teeth (dentition.h), which then move with upper_incisors_mm in both jaws; 0:
+  /// ridges instead of teeth. With teeth the opening is a rigid motion after the scale.
+  std::uint64_t dentition = 0;
+  /// With teeth: the lower ones and the body of the mandible, from occlusion; the rami stay. The
+  /// rotation is about the middle of the lower arch. Both are after the scale, before the opening.
+  Vec3 jaw_offset_mm = Vec3::Zero();
+  Vec3 jaw_rotation_rad = Vec3::Zero();
 };
 
 /// A random shape: uniform within heuristic limits, which include the standard deviations of adult
@@ -59,13 +68,45 @@ class ParametricHead {
   /// Applies only the scale to a point of the mean head, not the other parameters. \returns the
   /// point in frame H.
   [[nodiscard]] Vec3 from_mean(const Vec3& mean) const { return mean.cwiseProduct(shape_.scale); }
-  /// Rotates a point of the mandible of the mean head by HeadShape::opening_rad.
+  /// Moves a point of the mandible of the mean head by HeadShape::opening_rad, and with teeth by
+  /// HeadShape::jaw_offset_mm and jaw_rotation_rad.
   [[nodiscard]] Vec3 opened(const Vec3& mean) const;
 
+  /// Whether the head has teeth (HeadShape::dentition). \pre of what follows.
+  [[nodiscard]] bool has_dentition() const { return teeth_ != nullptr; }
+  [[nodiscard]] const Dentition& dentition() const { return *teeth_; }
+  [[nodiscard]] ToothLevels upper_teeth(const Vec3& p_L) const;
+  [[nodiscard]] ToothLevels lower_teeth(const Vec3& p_L) const;
+  [[nodiscard]] double skull_bone(const Vec3& p_L) const;     ///< Without teeth.
+  [[nodiscard]] double mandible_bone(const Vec3& p_L) const;  ///< Without teeth.
+  [[nodiscard]] double pharynx(const Vec3& p_L) const;        ///< Its air.
+  /// The line of the canal of the inferior alveolar nerve, from the mandibular to the mental
+  /// foramen.
+  /// \param side  -1: right, 1: left.
+  [[nodiscard]] std::vector<Vec3> canal_L(double side) const;
+  /// Maps the lower teeth of the scan to occlusion.
+  [[nodiscard]] RigidTransform X_L_occlusion() const { return X_LH_ * X_jaw_.inverse() * X_HL_; }
+  /// Maps a point of a tooth to the scan.
+  [[nodiscard]] Vec3 from_tooth_L(const ToothForm& tooth, const Vec3& p_M) const;
+
  private:
+  /// A point of the frame of the head in the mandible of the mean head.
+  [[nodiscard]] Vec3 in_jaw(const Vec3& p_H) const;
+  [[nodiscard]] Vec3 in_dentition(const Vec3& p_H) const;
+  /// The maxilla with the sockets of its teeth.
+  [[nodiscard]] double alveolar(double maxilla, const Vec3& p_L) const;
+
   HeadShape shape_;
   RigidTransform X_LH_, X_HL_;
+  /// With teeth: the body of the mandible from occlusion, the opening, and both; in frame H.
+  RigidTransform X_body_, X_opening_, X_jaw_;
+  std::shared_ptr<const Dentition> teeth_;
 };
+
+/// The opening at which upper and lower teeth are so far apart, at least.
+/// \param shape         with teeth; its opening is ignored.
+/// \param clearance_mm  before the scale.
+[[nodiscard]] double opening_with_clearance(const HeadShape& shape, double clearance_mm);
 
 struct NamedPoint {
   std::string name;
@@ -80,11 +121,18 @@ struct NamedPoint {
 [[nodiscard]] std::vector<NamedPoint> true_landmarks(const ParametricHead& head);
 
 /// A scan of the head with noise, and its true labels. Partial volume follows the distance to the
-/// surfaces; only bone, mandible, soft tissue and background are labeled.
+/// surfaces; only bone, mandible, soft tissue, background and, with teeth, the pharynx are labeled.
+///
+/// Without teeth bone has 1000 HU everywhere. With teeth there are enamel (2500 HU), dentin (1500
+/// HU), marrow below cortical bone of the jaws, canals of the nerves, and air in the pharynx.
 ///
 /// \param voxel_mm  edge of the cubic voxels.
 /// \param noise_hu  standard deviation.
 [[nodiscard]] LabeledScan scan_of(const ParametricHead& head, double voxel_mm, double noise_hu,
                                   std::uint64_t seed);
+
+/// The same of a box in the frame of the scan, without the rotation of the head.
+[[nodiscard]] LabeledScan scan_of(const ParametricHead& head, const Box3& box_L, double voxel_mm,
+                                  double noise_hu, std::uint64_t seed);
 
 }  // namespace lefort::anatomy

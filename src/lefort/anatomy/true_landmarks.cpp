@@ -127,6 +127,22 @@ class TrueLandmarks {
     return start_L;
   }
 
+  /// With teeth: the middle of the points of both central incisors that are the furthest in a
+  /// direction, each in the sagittal section through its tip.
+  [[nodiscard]] Vec3 of_incisors(const Level& level, int right, int left, const Vec3& v_F) const {
+    Vec3 middle_L = Vec3::Zero();
+    for (const int fdi : {right, left}) {
+      const ToothForm& tooth = head_.dentition().tooth(fdi);
+      middle_L += 0.5 * climb_in_section(level, head_.from_tooth_L(tooth, tooth.tip_M()), v_F);
+    }
+    return middle_L;
+  }
+  /// With teeth: the mesiobuccal cusp of a molar.
+  [[nodiscard]] Vec3 of_molar(const Level& level, int fdi, const Vec3& v_F) const {
+    const ToothForm& tooth = head_.dentition().tooth(fdi);
+    return climb(level, head_.from_tooth_L(tooth, tooth.tip_M()), v_F);
+  }
+
   void find_ears_and_orbits() {
     constexpr double kHalf_mm = 9.0, kStep_mm = 0.25;
     const HeadShape& s = head_.shape();
@@ -160,16 +176,22 @@ class TrueLandmarks {
     at_["ANS"] =
         climb_in_section(skull_, place({0, -94, -24}, s.anterior_spine_mm), {0, -0.94, 0.34});
     at_["PNS"] = place({0, -44.4 + s.palate_mm, -26.5 + s.anterior_spine_mm.z()});
+    const bool teeth = head_.has_dentition();
     const Vec3 crest =
-        climb_in_section(skull_, place({0, -98, -44.5}, s.upper_incisors_mm), anterior);
+        teeth ? of_incisors(skull_, 11, 21, anterior)
+              : climb_in_section(skull_, place({0, -98, -44.5}, s.upper_incisors_mm), anterior);
     const Vec3 ridge = 0.5 * (s.anterior_spine_mm + s.upper_incisors_mm);
     at_["A"] = deepest(skull_, place({0, -89.5, -32}, ridge), at_.at("ANS"), crest);
-    at_["U1"] = climb_in_section(skull_, place({0, -95, -52}, s.upper_incisors_mm), {0, 0, -1});
+    at_["U1"] =
+        teeth ? of_incisors(skull_, 11, 21, {0, 0, -1})
+              : climb_in_section(skull_, place({0, -95, -52}, s.upper_incisors_mm), {0, 0, -1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
       at_["Zy" + side] =
           climb(skull_, place({sign * (69.0 + s.zygion_mm), -35.0, -3.0}), {sign, 0, 0});
-      at_["U6" + side] = climb(skull_, place({sign * 28.5, -67.0, -51.0}), {0.35 * sign, 0, -0.94});
+      const Vec3 cusp(0.35 * sign, 0, -0.94);
+      at_["U6" + side] = teeth ? of_molar(skull_, sign > 0.0 ? 26 : 16, cusp)
+                               : climb(skull_, place({sign * 28.5, -67.0, -51.0}), cusp);
     }
   }
 
@@ -181,13 +203,17 @@ class TrueLandmarks {
     at_["Pg"] = climb_in_section(mandible_, chin({0, -91, -88}), {0, -1, 0});
     at_["Me"] = climb_in_section(mandible_, chin({0, -82, -95}), {0, 0, -1});
     at_["Gn"] = climb_in_section(mandible_, chin({0, -88, -93}), {0, -1, -1});
-    const Vec3 crest = climb_in_section(mandible_, place_opened({0, -90, -57}), {0, -1, 0});
+    const bool teeth = head_.has_dentition();
+    const Vec3 crest = teeth ? of_incisors(mandible_, 41, 31, {0, -1, 0})
+                             : climb_in_section(mandible_, place_opened({0, -90, -57}), {0, -1, 0});
     at_["B"] = deepest(mandible_, chin({0, -86, -72}, 0.6), at_.at("Pg"), crest);
-    at_["L1"] = climb_in_section(mandible_, place_opened({0, -87, -49}), {0, 0, 1});
+    at_["L1"] = teeth ? of_incisors(mandible_, 41, 31, {0, 0, 1})
+                      : climb_in_section(mandible_, place_opened({0, -87, -49}), {0, 0, 1});
     for (const double sign : {-1.0, 1.0}) {
       const std::string side = sign > 0.0 ? "-L" : "-R";
-      at_["L6" + side] =
-          climb(mandible_, place_opened({sign * 27.5, -63.0, -52.0}), {0.35 * sign, 0, 0.94});
+      const Vec3 cusp(0.35 * sign, 0, 0.94);
+      at_["L6" + side] = teeth ? of_molar(mandible_, sign > 0.0 ? 36 : 46, cusp)
+                               : climb(mandible_, place_opened({sign * 27.5, -63.0, -52.0}), cusp);
       at_["Co" + side] = climb(mandible_, place_opened({sign * 50.0, -20.5, -1.0}), {0, 0, 1});
       at_["Cdl" + side] = climb(mandible_, place_opened({sign * 59.5, -20.0, -6.0}), {sign, 0, 0});
       at_["Cdm" + side] = climb(mandible_, place_opened({sign * 40.0, -21.0, -7.0}), {-sign, 0, 0});

@@ -476,12 +476,16 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
   Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes, reach_mm),
                                       axes, reach_mm);
   const OcclusalContacts& contacts = found.contacts;
-  if (contacts.max_penetration_mm > kMaxOcclusalPenetration_mm ||
-      contacts.left_mm2 + contacts.right_mm2 <= 0.0)
+  if (contacts.max_penetration_mm > kMaxOcclusalPenetration_mm)
     return fail(ErrorCode::kNotConverged,
                 fmt::format("the arches cannot touch without penetration: {:.2f} mm deep, must be "
                             "{:g} or less; are the surfaces in the same frame?",
                             contacts.max_penetration_mm, kMaxOcclusalPenetration_mm));
+  if (contacts.left_mm2 + contacts.right_mm2 <= 0.0)
+    return fail(ErrorCode::kNotConverged,
+                fmt::format("the arches do not touch where no vertex penetrates by more than {:g} "
+                            "mm: their surfaces overlap elsewhere; crop gingiva behind the teeth",
+                            kMaxOcclusalPenetration_mm));
   return found;
 }
 

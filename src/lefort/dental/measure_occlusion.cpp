@@ -19,15 +19,33 @@ using geometry::TriangleMesh;
 constexpr double kShownGap_mm = 3.0;
 
 /// Deepest penetration of the vertices of `points`, moved by `X`, into `surface`.
+///
+/// A distance from a surface changes by no more than the length of the way: a vertex is not deeper
+/// than the length of an edge less the distance of its other end, if that is outside. Without this,
+/// one triangle that a scanner has turned over, or the border of an open surface, would count.
 double penetration_mm(const Bvh& points, const Bvh& surface, const RigidTransform& X,
                       double reach_mm) {
   const TriangleMesh& mesh = points.mesh();
-  std::vector<double> depths(mesh.vertices.size(), 0.0);
+  std::vector<double> depths(mesh.vertices.size(), 0.0), outside(mesh.vertices.size(), 0.0);
   parallel_for(mesh.vertex_count(), [&](Index v) {
-    const auto faced = gap_over(surface, X * mesh.vertices[std::size_t(v)],
-                                X.linear() * points.pseudonormals().at_vertex(mesh, v), reach_mm);
-    if (faced) depths[std::size_t(v)] = std::max(-faced->gap_mm, 0.0);
+    const Vec3 p = X * mesh.vertices[std::size_t(v)];
+    const auto there = offset_from(surface, p, reach_mm);
+    if (!there || there->is_beyond) return;
+    if (there->along_mm > 0.0) outside[std::size_t(v)] = there->distance_mm;
+    const Vec3 n = X.linear() * points.pseudonormals().at_vertex(mesh, v);
+    if (there->normal.dot(n) < kFacingCosine)
+      depths[std::size_t(v)] = std::max(-there->along_mm, 0.0);
   });
+  for (const geometry::Triangle& triangle : mesh.triangles)
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto v = std::size_t(triangle[n]);
+      for (const std::size_t other : {(n + 1) % 3, (n + 2) % 3}) {
+        const auto w = std::size_t(triangle[other]);
+        if (depths[v] <= 0.0 || outside[w] <= 0.0) continue;
+        const double length_mm = (mesh.vertices[v] - mesh.vertices[w]).norm();
+        depths[v] = std::min(depths[v], std::max(0.0, length_mm - outside[w]));
+      }
+    }
   return depths.empty() ? 0.0 : *std::max_element(depths.begin(), depths.end());
 }
 

@@ -74,18 +74,22 @@ struct OcclusionJob {
   /// teeth.json of number_teeth_of_scan(): for cuts, a requested midline, and the relations of
   /// midlines, canines and molars. Both arches must lie where they are in the CT.
   std::optional<std::filesystem::path> teeth;
-  std::filesystem::path output;                ///< A folder; made if missing.
+  /// Planned motion of the upper jaw, .tfm. With it the motion of the lower jaw to the occlusion
+  /// with the moved upper one is written, too.
+  std::optional<std::filesystem::path> upper_transform;
+  std::filesystem::path output;  ///< A folder; made if missing.
 };
 
 /// Finds the occlusion: the maximum intercuspation, or that of bite scans, or that of the scanner.
 /// With cuts, also that of each piece of the upper arch, and writes `piece_N.stl` and
 /// `piece_N.tfm`, from right to left. Writes `lower.stl` (the lower arch there),
 /// `lower_to_occlusion.tfm` (its motion, for the path of a plan), `lower_contacts.vtp` (with the
-/// gap to the upper arch) and `occlusion.json`.
+/// gap to the upper arch) and `occlusion.json`; with `upper_transform` also `lower_with_upper.tfm`,
+/// the motion to occlusion followed by that of the upper jaw.
 ///
 /// \returns the summary, or
-///   - the errors of io::read_surface(), dental::find_occlusion(), dental::register_bite() and
-///     cut_arch();
+///   - the errors of io::read_surface(), io::read_transform(), dental::find_occlusion(),
+///     dental::register_bite() and cut_arch();
 ///   - kInvalidArgument `arches` does not have the motions of both scans;
 ///   - kAnatomyMissing  a midline is requested, and a central incisor is missing;
 ///   - kFileCorrupt     `arches` or `teeth` is not of its format;

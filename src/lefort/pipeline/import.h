@@ -6,6 +6,7 @@
 #include <lefort/core/progress.h>
 #include <lefort/pipeline/summary.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -46,9 +47,11 @@ enum class PhantomVariant {
 
 /// Which synthetic head.
 enum class PhantomHead {
-  kSimple,   ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
-  kTeeth,    ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
-  kOpenBite  ///< The same with the mandible opened by 4 degrees: open bite, closed lips.
+  kSimple,    ///< Simple shapes, asymmetric (anatomy/synthetic_head.h).
+  kTeeth,     ///< With orbits, nose, teeth and lips (anatomy/parametric_head.h): the mean head.
+  kOpenBite,  ///< The same with the mandible opened by 4 degrees: open bite, closed lips.
+  /// With single teeth (anatomy/dentition.h), marrow, canals, and a mandible not in occlusion.
+  kDentition
 };
 
 struct PhantomJob {
@@ -57,10 +60,17 @@ struct PhantomJob {
   PhantomVariant variant = PhantomVariant::kPlain;
   double voxel_mm = 1.4;   ///< Edge of a voxel; > 0.
   double noise_hu = 12.0;  ///< Standard deviation of the noise of the scan.
+  // Of kDentition:
+  std::uint64_t shape = 0;  ///< 0: the mean head; else a random one (anatomy::draw_head_shape()).
+  double retrusion_mm =
+      5.0;  ///< Of the body of the mandible with its teeth; negative: to anterior.
+  double deviation_mm = 2.0;  ///< The same to the left.
 };
 
 /// Writes DICOM files of a synthetic head and its true labels; of a head with teeth also its true
-/// landmarks.
+/// landmarks; of kDentition also intraoral scans and `truth.json` (scan/dentition_files.h).
+///
+/// The teeth of kDentition are opened until they are 1 mm apart.
 ///
 /// \returns the summary; kFileUnwritable if `output`/dicom is not empty or a file cannot be
 ///   written; kInvalidArgument for a head with teeth that is not scanned as kPlain; or kCancelled.

@@ -153,6 +153,11 @@ void add_occlusion(CLI::App& dental, CommandContext& context) {
                       "teeth.json of `lefort dental teeth`: relations of midlines, canines and "
                       "molars; for --cut and --midline");
   add_requests(*command, job->options.requests);
+  command->add_option(
+      "--upper-transform", job->upper_transform,
+      "Planned motion of the upper jaw, .tfm, as segment_maxilla.tfm of `lefort plan "
+      "check`: also writes lower_with_upper.tfm, the motion of the mandible to the "
+      "occlusion with the moved maxilla, for its path in the plan");
   mark_path(command->add_option("-o,--output", job->output,
                                 "Folder for the lower arch in occlusion, contacts and transform"),
             PathKind::kNewFolder)

@@ -181,7 +181,8 @@ Result<std::vector<geometry::TriangleMesh>> pieces_of(const OcclusionJob& job,
 
 /// Removes what an earlier run may have left.
 Result<void> remove_earlier_occlusion(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files{folder / "occlusion.json"};
+  std::vector<std::filesystem::path> files{folder / "occlusion.json",
+                                           folder / "lower_with_upper.tfm"};
   for (int n = 1; n <= 3; ++n)
     for (const char* const ending : {".stl", ".tfm"})
       files.push_back(folder / fmt::format("piece_{}{}", n, ending));
@@ -220,12 +221,15 @@ Result<void> add_pieces(const OcclusionJob& job, const std::vector<geometry::Tri
 }
 
 Result<void> write_occlusion(const OcclusionJob& job, const geometry::TriangleMesh& lower_L,
-                             const dental::Occlusion& found) {
+                             const dental::Occlusion& found, const RigidTransform& X_upper) {
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_earlier_occlusion(job.output));
   LEFORT_TRY_VOID(
       io::write_surface(job.output / "lower.stl", geometry::transformed(lower_L, found.X_L_lower)));
   LEFORT_TRY_VOID(io::write_transform(job.output / "lower_to_occlusion.tfm", found.X_L_lower));
+  if (job.upper_transform)
+    LEFORT_TRY_VOID(
+        io::write_transform(job.output / "lower_with_upper.tfm", X_upper * found.X_L_lower));
   LEFORT_TRY_VOID(io::write_surface(job.output / "lower_contacts.vtp",
                                     geometry::transformed(lower_L, found.X_L_lower),
                                     {{"gap_mm", found.gaps_mm}}));
@@ -269,6 +273,10 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   LEFORT_TRY(const geometry::TriangleMesh upper_L, io::read_surface(job.upper, progress));
   LEFORT_TRY(const geometry::TriangleMesh lower_L, io::read_surface(job.lower, progress));
   LEFORT_TRY(const ArchDirections directions, read_arch_directions(job.arches));
+  RigidTransform X_upper = RigidTransform::Identity();
+  if (job.upper_transform) {
+    LEFORT_TRY(X_upper, io::read_transform(*job.upper_transform));
+  }
   const dental::ArchAxes& axes = directions.axes;
   LEFORT_TRY_VOID(dental::check_arch(upper_L, "upper", -axes.superior_L));
   LEFORT_TRY_VOID(dental::check_arch(lower_L, "lower", axes.superior_L));
@@ -280,7 +288,7 @@ Result<Summary> find_arch_occlusion(const OcclusionJob& job, Progress& progress)
   LEFORT_TRY(const auto pieces, pieces_of(job, upper_L, crowns_L));
   LEFORT_TRY(const FoundOcclusion from, occlusion_of(job, arches, axes, crowns_L, progress));
   const dental::Occlusion& found = from.occlusion;
-  LEFORT_TRY_VOID(write_occlusion(job, lower_L, found));
+  LEFORT_TRY_VOID(write_occlusion(job, lower_L, found, X_upper));
   Summary summary = summary_of(job, from, axes, dental::mean_vertex(lower_L));
   if (job.teeth) {
     const auto relations = dental::occlusal_relations(crowns_L, found.X_L_lower, axes);

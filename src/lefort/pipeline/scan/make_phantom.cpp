@@ -6,6 +6,7 @@
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/write_dicom.h>
 #include <lefort/pipeline/import.h>
+#include <lefort/pipeline/scan/dentition_files.h>
 
 #include <fmt/format.h>
 
@@ -88,11 +89,19 @@ Phantom simple_head(const PhantomJob& job) {
   return phantom;
 }
 
-Phantom head_with_teeth(const PhantomJob& job) {
-  constexpr double kOpenBite_deg = 4.0;
+anatomy::HeadShape shape_of(const PhantomJob& job) {
+  constexpr double kOpenBite_deg = 4.0, kClearance_mm = 1.0;
   anatomy::HeadShape shape;
   if (job.head == PhantomHead::kOpenBite) shape.opening_rad = radians_from_degrees(kOpenBite_deg);
-  const anatomy::ParametricHead head(shape);
+  if (job.head != PhantomHead::kDentition) return shape;
+  if (job.shape > 0) shape = anatomy::draw_head_shape(job.shape);
+  shape.dentition = job.shape + 1;
+  shape.jaw_offset_mm = Vec3(job.deviation_mm, job.retrusion_mm, 0.0);
+  shape.opening_rad = anatomy::opening_with_clearance(shape, kClearance_mm);
+  return shape;
+}
+
+Phantom head_with_teeth(const PhantomJob& job, const anatomy::ParametricHead& head) {
   anatomy::LabeledScan scan = anatomy::scan_of(head, job.voxel_mm, job.noise_hu, 1);
   constexpr std::int16_t kMin_hu = -1024;  // Of scanners; noise in air is cut off.
   Phantom phantom;
@@ -126,8 +135,9 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::make_output_folder(dicom));
 
   progress.begin_stage("scan the synthetic head");
+  const anatomy::ParametricHead head(shape_of(job));
   const Phantom phantom =
-      job.head == PhantomHead::kSimple ? simple_head(job) : head_with_teeth(job);
+      job.head == PhantomHead::kSimple ? simple_head(job) : head_with_teeth(job, head);
   const io::DicomSeriesText text{.patient_name = "SYNTHETIC^HEAD",
                                  .description = "computed, not a patient",
                                  .number = 1 + std::uint64_t(job.variant)};
@@ -142,10 +152,12 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::write_segmentation(job.output / "labels.seg.nrrd", phantom.labels));
   if (!phantom.landmarks.empty())
     LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks.mrk.json", phantom.landmarks));
+  if (head.has_dentition()) LEFORT_TRY_VOID(write_dentition_files(head, job.output, progress));
   Summary summary;
-  summary.text = fmt::format("{}: {} slices in dicom, and their labels in labels.seg.nrrd{}",
-                             job.output.string(), count,
-                             phantom.landmarks.empty() ? "" : "; landmarks in landmarks.mrk.json");
+  summary.text = fmt::format(
+      "{}: {} slices in dicom, and their labels in labels.seg.nrrd{}{}", job.output.string(), count,
+      phantom.landmarks.empty() ? "" : "; landmarks in landmarks.mrk.json",
+      head.has_dentition() ? "; intraoral scans, and what is true in truth.json" : "");
   summary.json = {{"output", job.output.string()}, {"slices", count}};
   return summary;
 }

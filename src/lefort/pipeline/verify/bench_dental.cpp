@@ -107,12 +107,12 @@ Result<BenchHead> make_head(std::uint64_t seed, double voxel_mm, double noise_hu
   made.teeth = anatomy::find_teeth(made.scan.ct, made.scan.labels, kBone_hu);
   for (const bool is_upper : {true, false}) {
     const std::size_t n = is_upper ? 0 : 1;
-    LEFORT_TRY(made.crowns[n],
-               dental::find_crowns(made.scan.ct, made.teeth,
-                                   is_upper ? anatomy::Tooth::kUpper : anatomy::Tooth::kLower,
-                                   progress));
-    LEFORT_TRY(made.arches_L[n], anatomy::scanned_arch(head, is_upper, kSpacing_mm, kNoise_mm,
-                                                       seed + n, progress));
+    LEFORT_TRY(
+        made.crowns[n],
+        dental::find_crowns(made.scan.ct, made.teeth,
+                            is_upper ? anatomy::Tooth::kUpper : anatomy::Tooth::kLower, progress));
+    LEFORT_TRY(made.arches_L[n],
+               anatomy::scanned_arch(head, is_upper, kSpacing_mm, kNoise_mm, seed + n, progress));
   }
   return made;
 }
@@ -120,9 +120,9 @@ Result<BenchHead> make_head(std::uint64_t seed, double voxel_mm, double noise_hu
 void number(const BenchHead& one, Figures& figures) {
   constexpr double kSame_mm = 3.5;  // Half of a narrow premolar.
   const Mat3 directions = one.head.X_LH().linear();
-  const dental::NumberedTeeth numbered = dental::number_teeth(
-      one.teeth, {directions.col(0), -directions.col(1), directions.col(2),
-                  one.head.X_LH() * Vec3(0, -80, -40)});
+  const dental::NumberedTeeth numbered =
+      dental::number_teeth(one.teeth, {directions.col(0), -directions.col(1), directions.col(2),
+                                       one.head.X_LH() * Vec3(0, -80, -40)});
   double right = 0.0;
   for (const dental::NumberedTooth& found : numbered.teeth)
     for (const anatomy::ToothForm& tooth : one.head.dentition().teeth())
@@ -153,15 +153,14 @@ Result<void> trace(const BenchHead& one, Figures& figures) {
       }
       sum_mm += distance_mm;
     }
-    figures.add(one.seed, 0, "canal, mean distance [mm]",
-                sum_mm / double(canal->line_L.size()));
+    figures.add(one.seed, 0, "canal, mean distance [mm]", sum_mm / double(canal->line_L.size()));
   }
   return {};
 }
 
 /// Registration of both arches, from a random frame.
-Result<void> register_both(const BenchHead& one, int start, std::mt19937_64& bits,
-                           Figures& figures, Progress& progress) {
+Result<void> register_both(const BenchHead& one, int start, std::mt19937_64& bits, Figures& figures,
+                           Progress& progress) {
   for (const std::size_t n : {std::size_t(0), std::size_t(1)}) {
     const RigidTransform X_scan_L = geometry::rigid_motion(
         80.0 * drawn_vector(bits), std::numbers::pi * drawn_vector(bits), Vec3::Zero());
@@ -255,14 +254,13 @@ Summary summarize(const DentalBenchJob& job, const Figures& figures) {
     summary.text += fmt::format("\n  {:<36} {:9.3f} {:8.3f} {:8.3f}   {:g} to {:g}   {} of {}",
                                 target.name, median, sorted.front(), sorted.back(), target.low,
                                 target.high, within, sorted.size());
-    rows[target.name] = {{"median", median},
-                         {"min", sorted.front()},
-                         {"max", sorted.back()},
-                         {"target", {target.low, target.high}},
-                         {"within", within},
-                         {"count", sorted.size()}};
+    rows[target.name] = {{"median", median},     {"min", sorted.front()},
+                         {"max", sorted.back()}, {"target", {target.low, target.high}},
+                         {"within", within},     {"count", sorted.size()}};
   }
-  summary.json = {{"heads", job.heads}, {"seed", job.seed}, {"starts", job.starts},
+  summary.json = {{"heads", job.heads},
+                  {"seed", job.seed},
+                  {"starts", job.starts},
                   {"figures", std::move(rows)}};
   return summary;
 }
@@ -284,8 +282,8 @@ Result<Summary> bench_dental(const DentalBenchJob& job, Progress& progress) {
     for (int start = 0; start < job.starts; ++start) {
       LEFORT_TRY_VOID(register_both(one, start, bits, figures, progress));
       LEFORT_TRY_VOID(occlude(one, start, bits, figures, progress));
-      progress.note(fmt::format("head {} of {}, start {} of {}", n + 1, job.heads, start + 1,
-                                job.starts));
+      progress.note(
+          fmt::format("head {} of {}, start {} of {}", n + 1, job.heads, start + 1, job.starts));
     }
   }
   LEFORT_TRY_VOID(io::write_text(job.output, figures.table()));
