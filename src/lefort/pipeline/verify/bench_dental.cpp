@@ -88,7 +88,8 @@ struct BenchHead {
   anatomy::LabeledScan scan;
   anatomy::ToothMap teeth;
   std::array<dental::Crowns, 2> crowns;
-  std::array<TriangleMesh, 2> arches_L;  ///< True.
+  std::array<TriangleMesh, 2> arches_L;  ///< Intraoral scans where they truly are.
+  TriangleMesh bite_L;                   ///< Scan of the bite, with noise of its own.
 };
 
 Result<BenchHead> make_head(std::uint64_t seed, double voxel_mm, double noise_hu,
@@ -103,7 +104,9 @@ Result<BenchHead> make_head(std::uint64_t seed, double voxel_mm, double noise_hu
                                   noise_hu, seed),
                  {},
                  {},
+                 {},
                  {}};
+  std::array<TriangleMesh, 2> again_L;
   made.teeth = anatomy::find_teeth(made.scan.ct, made.scan.labels, kBone_hu);
   for (const bool is_upper : {true, false}) {
     const std::size_t n = is_upper ? 0 : 1;
@@ -111,9 +114,13 @@ Result<BenchHead> make_head(std::uint64_t seed, double voxel_mm, double noise_hu
         made.crowns[n],
         dental::find_crowns(made.scan.ct, made.teeth,
                             is_upper ? anatomy::Tooth::kUpper : anatomy::Tooth::kLower, progress));
-    LEFORT_TRY(made.arches_L[n],
-               anatomy::scanned_arch(head, is_upper, kSpacing_mm, kNoise_mm, seed + n, progress));
+    const auto scanned = [&](std::uint64_t noise_seed) {
+      return anatomy::scanned_arch(head, is_upper, kSpacing_mm, kNoise_mm, noise_seed, progress);
+    };
+    LEFORT_TRY(made.arches_L[n], scanned(seed + n));
+    LEFORT_TRY(again_L[n], scanned(seed + 10 + n));
   }
+  made.bite_L = anatomy::scanned_bite(head, again_L[0], again_L[1]);
   return made;
 }
 
@@ -193,8 +200,7 @@ Result<void> occlude(const BenchHead& one, int start, std::mt19937_64& bits, Fig
       found ? between(lower_L, found->X_L_lower, truth) : Difference{99.0, 180.0};
   figures.add(one.seed, start, "occlusion, search [mm]", off.max_mm);
   figures.add(one.seed, start, "occlusion, search [degrees]", off.deg);
-  const std::vector<TriangleMesh> bite{geometry::transformed(
-      anatomy::scanned_bite(one.head, one.arches_L[0], one.arches_L[1]), X.inverse())};
+  const std::vector<TriangleMesh> bite{geometry::transformed(one.bite_L, X.inverse())};
   LEFORT_TRY(const dental::Bite fit,
              dental::register_bite(one.arches_L[0], lower_L, axes, bite, progress));
   const Difference bite_off = between(lower_L, fit.X_L_lower, truth);
