@@ -29,6 +29,8 @@ const side = (mm: number): string => {
   return text === '0.0' ? 'in line' : `${text} mm to the ${mm < 0 ? 'right' : 'left'}`;
 };
 
+const signed = (mm: number): string => `${mm >= 0.05 ? '+' : ''}${fixed(mm, 1)}`;
+
 /** Midline, canines and molars in words. */
 export function relationRows({ relations }: Occlusion): Row[] {
   if (relations === undefined) return [];
@@ -43,9 +45,7 @@ export function relationRows({ relations }: Occlusion): Row[] {
     ...pairs.map(
       ([name, { mesial_mm, class: angle }]): Row => [
         name,
-        mesial_mm === null || angle === null
-          ? 'unknown'
-          : `class ${angle}, ${mesial_mm < 0 ? '−' : '+'}${fixed(Math.abs(mesial_mm), 1)} mm`,
+        mesial_mm === null || angle === null ? 'unknown' : `class ${angle}, ${signed(mesial_mm)} mm`,
       ],
     ),
   ];
