@@ -1017,11 +1017,19 @@ export interface components {
         } | {
             /** @constant */
             kind: "occlusion";
-            /**
-             * @description search: the maximum intercuspation. as_scanned: that of the files of the intraoral scans, which the scanner has exported in occlusion. Default search.
-             * @enum {unknown}
-             */
-            source?: "search" | "as_scanned";
+            /** @constant */
+            source?: "search";
+            /** @description Requested distance of the lower dental midline to the left of the upper one; needs job teeth. */
+            midline_mm?: number;
+            /** @description Requested overjet, from edge to edge. */
+            overjet_mm?: number;
+            /** @description Requested overbite, from edge to edge. */
+            overbite_mm?: number;
+        } | {
+            /** @constant */
+            kind: "occlusion";
+            /** @constant */
+            source: "as_scanned";
         } | {
             /** @constant */
             kind: "occlusion";
@@ -1039,7 +1047,14 @@ export interface components {
             open_mm?: number;
             clearance_mm?: number;
             cover_mm?: number;
+            /** @description Between the arches. Default 2.5. */
             wall_mm?: number;
+            /** @description The wall beside the crowns; not more than wall_mm. Default 2. */
+            rim_mm?: number;
+            /** @description Radius of the edges; not more than half of rim_mm. Default 0.8. */
+            edge_mm?: number;
+            /** @description Engraved into the front. Default none. */
+            text?: string;
             /** @description Of the grid. Default 0.2. */
             voxel_mm?: number;
         } | {
@@ -1053,7 +1068,14 @@ export interface components {
             open_mm?: number;
             clearance_mm?: number;
             cover_mm?: number;
+            /** @description Between the arches. Default 2.5. */
             wall_mm?: number;
+            /** @description The wall beside the crowns; not more than wall_mm. Default 2. */
+            rim_mm?: number;
+            /** @description Radius of the edges; not more than half of rim_mm. Default 0.8. */
+            edge_mm?: number;
+            /** @description Engraved into the front. Default none. */
+            text?: string;
             /** @description Of the grid. Default 0.2. */
             voxel_mm?: number;
         } | {
@@ -1360,8 +1382,14 @@ export interface components {
                 split_depth_mm?: number;
                 /** @description Sagittal split: distance of the buccal cut behind L6. Default 12. */
                 behind_molar_mm?: number;
+                /** @description Sagittal split with keep_canals: distance of split and medial cut from the canals, beside the kerf. Default 2. */
+                nerve_clearance_mm?: number;
             };
             landmarks: components["schemas"]["Points"];
+            /** @description Sagittal split: the canals of job nerve stay in the distal segment, as with nerve/nerve.json as template.nerve of a plan. Default false. */
+            keep_canals?: boolean;
+            /** @description With keep_canals. Default 0. */
+            kerf_mm?: number;
         };
         Osteotomy: {
             /** @description As in a plan: planes, additional_regions, anchor_points. */
@@ -1670,6 +1698,37 @@ export interface components {
             };
             overjet_mm: number | null;
             overbite_mm: number | null;
+            /** @description With the numbers of the teeth only. */
+            relations?: {
+                /** @description Of the lower dental midline to the left of the upper one; null: an incisor is missing. */
+                midline_mm: number | null;
+                right_canine: components["schemas"]["AngleRelation"];
+                left_canine: components["schemas"]["AngleRelation"];
+                right_molar: components["schemas"]["AngleRelation"];
+                left_molar: components["schemas"]["AngleRelation"];
+            };
+            requests?: {
+                midline_mm?: components["schemas"]["OcclusionRequest"];
+                overjet_mm?: components["schemas"]["OcclusionRequest"];
+                overbite_mm?: components["schemas"]["OcclusionRequest"];
+            };
+        };
+        AngleRelation: {
+            /** @description Of the lower tooth to mesial from class I; null: a tooth is missing. */
+            mesial_mm: number | null;
+            /**
+             * @description Of Angle.
+             * @enum {unknown}
+             */
+            class: "I" | "II" | "III" | null;
+        };
+        OcclusionRequest: {
+            /** @description [mm] */
+            requested: number;
+            /** @description [mm] */
+            reached: number | null;
+            /** @description Within 0.3 mm. */
+            is_met: boolean;
         };
         SplintFit: {
             clearance_mm: {
@@ -1689,6 +1748,8 @@ export interface components {
             min_thickness_mm: number;
             /** @description How far the lower arch was moved to inferior before. */
             open_mm: number;
+            /** @description Engraved; may be empty. */
+            text?: string;
             /** @description Of the upper arch, from upper_arch. */
             upper_pose: components["schemas"]["Pose"];
             /** @description Of the lower arch, from lower_in_occlusion for the final splint, else from lower_arch. */
@@ -1828,7 +1889,7 @@ export interface components {
             /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "airway_after.csv" | "airway_after.svg" | "guides.json" | "holes_before.mrk.json" | "holes_after.mrk.json" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv" | "variants.html" | "variants.pdf" | "variants.csv" | "variants.json") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "planned_movements.csv" | "worksheet.pdf" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "interface.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp" | "uncertainty_report.html" | "uncertainty.json" | "uncertainty.vtp" | "samples.csv" | "uncertain_inputs.json" | "teeth_numbered.seg.nrrd" | "teeth.csv" | "teeth.json" | "teeth.mrk.json" | "arches.json" | "upper.stl" | "upper.tfm" | "upper_crowns.vtp" | "lower.stl" | "lower.tfm" | "lower_crowns.vtp" | "occlusion.json" | "lower_in_occlusion.stl" | "lower_to_occlusion.tfm" | "lower_contacts.vtp" | "splint_final.stl" | "splint_final.3mf" | "splint_final.json" | "splint_intermediate.stl" | "splint_intermediate.3mf" | "splint_intermediate.json" | "nerve.json" | "nerve.mrk.json" | "nerve_right.vtp" | "nerve_left.vtp" | "airway.json" | "airway.csv" | "airway.svg" | "airway.vtp" | "airway_after.csv" | "airway_after.svg" | "guides.json" | "holes_before.mrk.json" | "holes_after.mrk.json" | "cephalogram.json" | "cephalometry.pdf" | "lateral.png" | "frontal.png" | "tracing.png" | "measurements.csv" | "norms.csv" | "variants.html" | "variants.pdf" | "variants.csv" | "variants.json") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];

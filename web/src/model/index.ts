@@ -1,4 +1,5 @@
 export * from './boundary_paint';
+export * from './canals';
 export * from './color';
 export * from './frames';
 export * from './history';
@@ -8,6 +9,7 @@ export * from './landmarks';
 export * from './movement_edit';
 export * from './moves';
 export * from './nerve';
+export * from './occlusion';
 export * from './plan';
 export * from './prepare';
 export * from './profile';

@@ -1,6 +1,5 @@
 import type { Schemas } from '../api';
 import { sub, toVec3, unit, type Vec3 } from './frames';
-import { toRecord, type Landmark } from './landmarks';
 
 /** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; it keeps other keys. */
 export interface Plan {
@@ -39,7 +38,8 @@ export interface Curve {
 
 export type TemplateKind = Schemas['TemplateKind'];
 
-export type Template = Schemas['OsteotomyRequest']['template'];
+/** As in a request, with the canals of the case (canals.ts). */
+export type Template = TemplateKind | (Exclude<Schemas['OsteotomyRequest']['template'], string> & { nerve?: string });
 
 export interface Osteotomy {
   planes?: Plane[];
@@ -162,10 +162,6 @@ export const templateKind = (osteotomy: Osteotomy): TemplateKind | null =>
     : typeof osteotomy.template === 'string'
       ? osteotomy.template
       : osteotomy.template.kind;
-
-/** Identifies a template and the landmarks that place it. */
-export const templateKey = (template: Template | undefined, landmarks: readonly Landmark[]): string =>
-  JSON.stringify([template, toRecord(landmarks)]);
 
 /** The server's plan as a `Plan`; the contract has checked its version and that it has segments. */
 export const toPlan = (value: Schemas['Plan']): Plan => value as Plan;

@@ -10,6 +10,10 @@ export interface SplintSettings {
   clearance_mm: number;
   cover_mm: number;
   wall_mm: number;
+  rim_mm: number;
+  edge_mm: number;
+  /** Engraved into the front; may be empty. */
+  text: string;
 }
 
 /** Limits of the lengths, as in the contract. */
@@ -18,7 +22,12 @@ export const SPLINT_LIMITS = {
   clearance_mm: [0, 0.5],
   cover_mm: [0.5, 6],
   wall_mm: [1, 6],
+  rim_mm: [1, 6],
+  edge_mm: [0, 3],
 } as const;
+
+/** Letters that can be engraved. */
+export const MAX_LETTERS = 16;
 
 /** Thinner splints break. */
 export const MIN_THICKNESS_MM = 1;
@@ -30,7 +39,25 @@ export const defaultSplint = (): SplintSettings => ({
   clearance_mm: 0.1,
   cover_mm: 2.5,
   wall_mm: 2.5,
+  rim_mm: 2,
+  edge_mm: 0.8,
+  text: '',
 });
+
+/** Why no splint can be made with these settings; null if one can. */
+export function faultOfSplint({ wall_mm, rim_mm, edge_mm, text }: SplintSettings): string | null {
+  if (rim_mm > wall_mm) return 'The rim must not be wider than the wall.';
+  if (edge_mm > rim_mm / 2) return 'The radius of the edges must not exceed half of the rim.';
+  const letters = [...text.trim()].length;
+  return letters > MAX_LETTERS ? `The text has ${letters} letters, must be ${MAX_LETTERS} or fewer.` : null;
+}
+
+/** Parameters of a job for both kinds of splint. */
+export function splintParameters(settings: SplintSettings) {
+  const { open_mm, clearance_mm, cover_mm, wall_mm, rim_mm, edge_mm } = settings;
+  const text = settings.text.trim();
+  return { open_mm, clearance_mm, cover_mm, wall_mm, rim_mm, edge_mm, ...(text === '' ? {} : { text }) };
+}
 
 /** The segment that is likely the maxilla: by its name, its template, or as the only one. */
 export function maxillaOf(segments: readonly Segment[]): string | null {

@@ -11,7 +11,7 @@ import {
   redo,
   settle,
   templateKey,
-  templateKind,
+  templateRequest,
   toRecord,
   transformPoint,
   undo,
@@ -263,13 +263,11 @@ export class App implements Planner {
   async placeTemplates(): Promise<void> {
     const { plan, landmarks } = this.model.doc;
     for (const { osteotomy } of plan.segments) {
-      const { template } = osteotomy;
-      if (template === undefined || templateKind(osteotomy) === null) continue;
-      const key = templateKey(template, landmarks);
+      const request = templateRequest(osteotomy, landmarks);
+      if (request === null) continue;
+      const key = templateKey(osteotomy, landmarks, stageOf(this.model.s, 'nerve'));
       if (this.model.s.templatePlanes.has(key)) continue;
-      const answer = await this.client
-        .placeTemplate({ template, landmarks: toRecord(landmarks) })
-        .catch((error: unknown) => messageOf(error));
+      const answer = await this.client.placeTemplate(request).catch((error: unknown) => messageOf(error));
       this.patch({ templatePlanes: new Map(this.model.s.templatePlanes).set(key, answer) });
     }
   }

@@ -2,8 +2,10 @@ import type { Schemas } from '../api';
 import {
   defaultGuides,
   defaultSplint,
+  noRequests,
   type GuideSettings,
   type NervePoints,
+  type OcclusionRequests,
   type SplintSettings,
   type ToothCorrection,
   type Vec3,
@@ -37,6 +39,8 @@ export interface MeasureState {
   arches: Schemas['Arches'] | null;
   /** Where the next occlusion comes from. */
   occlusionSource: 'search' | 'as_scanned' | 'bite';
+  /** What the next occlusion of a search has to be. */
+  occlusionRequests: OcclusionRequests;
   /** Bite scans that were chosen. */
   biteFiles: { bite: File | null; bite2: File | null };
   occlusion: Schemas['Occlusion'] | null;
@@ -69,6 +73,7 @@ export const initialMeasures = (): MeasureState => ({
   archFiles: { upper: null, lower: null },
   arches: null,
   occlusionSource: 'search',
+  occlusionRequests: noRequests(),
   biteFiles: { bite: null, bite2: null },
   occlusion: null,
   showOcclusion: true,

@@ -1,6 +1,8 @@
 import {
   faultOfNumber,
   guideParameters,
+  requestParameters,
+  splintParameters,
   toothRows,
   withNervePoint,
   withoutNervePoint,
@@ -176,8 +178,12 @@ export class Measures {
   /** Finds the occlusion from what was chosen; bite scans are uploaded first. */
   async findOcclusion(): Promise<void> {
     const { planner } = this;
-    const { occlusionSource: source, biteFiles } = planner.model.s;
-    if (source !== 'bite') {
+    const { occlusionSource: source, occlusionRequests, biteFiles } = planner.model.s;
+    if (source === 'search') {
+      await planner.run({ kind: 'occlusion', source, ...requestParameters(occlusionRequests) });
+      return;
+    }
+    if (source === 'as_scanned') {
       await planner.run({ kind: 'occlusion', source });
       return;
     }
@@ -199,12 +205,13 @@ export class Measures {
   }
 
   async makeSplint(segment: string | null): Promise<void> {
-    const { splint, open_mm, clearance_mm, cover_mm, wall_mm } = this.planner.model.s.splintSettings;
-    const lengths = { open_mm, clearance_mm, cover_mm, wall_mm };
+    const { splintSettings } = this.planner.model.s;
+    const { splint } = splintSettings;
+    const parameters = splintParameters(splintSettings);
     await this.planner.run(
       splint === 'final'
-        ? { kind: 'splint', splint, ...lengths }
-        : { kind: 'splint', splint, ...lengths, ...(segment === null ? {} : { segment }) },
+        ? { kind: 'splint', splint, ...parameters }
+        : { kind: 'splint', splint, ...parameters, ...(segment === null ? {} : { segment }) },
     );
   }
 }

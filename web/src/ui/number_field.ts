@@ -4,7 +4,8 @@ import { liveValue } from './live_value';
 
 export interface NumberOptions {
   label: string;
-  value: number;
+  /** Null: empty. */
+  value: number | null;
   unit: string;
   digits?: number;
   step?: number;
@@ -16,6 +17,8 @@ export interface NumberOptions {
   /** `gesture` is the same for all steps of one key press or turn of the wheel. */
   onInput: (value: number) => void;
   onDone?: () => void;
+  /** The field was emptied; without it, it must have a number. */
+  onClear?: () => void;
 }
 
 /** A number with its unit: typed, or stepped with the arrow keys (Shift: ten steps). Invalid input is only marked. */
@@ -23,7 +26,13 @@ export function numberField(o: NumberOptions): TemplateResult {
   const digits = o.digits ?? 1;
   const step = o.step ?? 0.5;
   const clamp = (value: number) => Math.min(o.max ?? Infinity, Math.max(o.min ?? -Infinity, value));
+  const shown = o.value === null ? '' : fixed(o.value, digits);
   const take = (input: HTMLInputElement): void => {
+    if (o.onClear && input.value.trim() === '') {
+      input.setAttribute('aria-invalid', 'false');
+      o.onClear();
+      return;
+    }
     const value = parseNumber(input.value);
     const good = value !== null && value === clamp(value);
     input.setAttribute('aria-invalid', String(!good));
@@ -37,7 +46,7 @@ export function numberField(o: NumberOptions): TemplateResult {
           inputmode="decimal"
           data-id=${o.id ?? nothing}
           ?disabled=${o.disabled ?? false}
-          ${liveValue(fixed(o.value, digits))}
+          ${liveValue(shown)}
           @input=${(e: Event) => ((e.target as HTMLInputElement).dataset.typing = '')}
           @change=${(e: Event) => {
             delete (e.target as HTMLInputElement).dataset.typing;
@@ -47,7 +56,7 @@ export function numberField(o: NumberOptions): TemplateResult {
           @blur=${(e: Event) => {
             const input = e.target as HTMLInputElement;
             delete input.dataset.typing;
-            if (input.getAttribute('aria-invalid') === 'true') input.value = fixed(o.value, digits);
+            if (input.getAttribute('aria-invalid') === 'true') input.value = shown;
             input.setAttribute('aria-invalid', 'false');
           }}
           @keydown=${(e: KeyboardEvent) => {
@@ -56,7 +65,7 @@ export function numberField(o: NumberOptions): TemplateResult {
             if (sign === 0) return;
             e.preventDefault();
             delete (e.target as HTMLInputElement).dataset.typing;
-            const now = parseNumber((e.target as HTMLInputElement).value) ?? o.value;
+            const now = parseNumber((e.target as HTMLInputElement).value) ?? o.value ?? 0;
             o.onInput(clamp(Math.round((now + sign * step * (e.shiftKey ? 10 : 1)) * 1e6) / 1e6));
           }}
           @focus=${(e: Event) => (e.target as HTMLInputElement).select()}

@@ -25,7 +25,7 @@ import {
 import type { Marker, PlaneMark, Polyline, SliceLines, SliceMarker } from '../scene';
 import { checkedFragments } from './fragments';
 import { measureMarkers } from './measure_marks';
-import type { Doc, State } from './state';
+import { stageOf, type Doc, type State } from './state';
 
 // Marks of the plan in the 3D view and on the slices, as functions of document and state.
 
@@ -116,7 +116,7 @@ export function planesOf(doc: Doc, s: State): PlaneMark[] {
 
 function templatePlanes(doc: Doc, s: State, { osteotomy }: Segment): Plane[] {
   if (!templateKind(osteotomy)) return [];
-  const placed = s.templatePlanes.get(templateKey(osteotomy.template, doc.landmarks));
+  const placed = s.templatePlanes.get(templateKey(osteotomy, doc.landmarks, stageOf(s, 'nerve')));
   if (!placed || typeof placed === 'string') return [];
   return [...placed.planes, ...(placed.additional_regions ?? []).flatMap((region) => region.planes)].map(toPlane);
 }

@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <system_error>
 #include <vector>
@@ -107,6 +108,7 @@ const char* in_words(const std::string& input) {
   if (input == "numbers") return "numbers of teeth were corrected after this was computed";
   if (input == "points") return "points on the canals were corrected after this was computed";
   if (input == "arches") return "the registered intraoral scans changed, or are out of date";
+  if (input == "teeth") return "the numbers of the teeth changed, or are out of date";
   if (input == "occlusion") return "the occlusion changed, or is out of date";
   if (input == "check") return "the check of the plan changed, or is out of date";
   if (input == "nerve") return "the canals of the nerves changed after this was computed";
@@ -399,6 +401,11 @@ bool names_boundary(const json& plan) {
   return member(member(plan, "boundary"), "labels") == kBoundaryFile;
 }
 
+bool names_canals(const std::string& text) {
+  const std::vector<std::string> names = io::files_of_plan(text);
+  return std::find(names.begin(), names.end(), kNerveFile) != names.end();
+}
+
 Result<void> check_files_of_plan(const std::string& text) {
   json plan = parse_limited(text);
   if (!plan.is_object() || !member(plan, "segments").is_array())
@@ -421,12 +428,12 @@ Result<void> check_files_of_plan(const std::string& text) {
   if (const json& ct = member(plan, "ct"); ct.is_string() && ct != "ct.nrrd")
     return fail(ErrorCode::kPlanInvalid, "ct: in a case it is ct.nrrd");
   for (const std::string& name : names)
-    if (name != "landmarks.mrk.json" && name != "anatomy/labels.seg.nrrd")
+    if (name != "landmarks.mrk.json" && name != "anatomy/labels.seg.nrrd" && name != kNerveFile)
       return fail(ErrorCode::kPlanInvalid,
                   fmt::format("the plan names the file {}; in a case it may name ct.nrrd, "
-                              "landmarks.mrk.json, anatomy/labels.seg.nrrd, and boundary.seg.nrrd "
-                              "as boundary.labels",
-                              name));
+                              "landmarks.mrk.json, anatomy/labels.seg.nrrd, {} and {} as "
+                              "boundary.labels",
+                              name, kNerveFile, kBoundaryFile));
   return {};
 }
 

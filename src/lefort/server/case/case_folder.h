@@ -20,6 +20,7 @@ namespace lefort::server {
 
 /// File of the painted boundary conditions, as a plan of a case names it.
 inline constexpr const char* kBoundaryFile = "boundary.seg.nrrd";
+inline constexpr const char* kNerveFile = "nerve/nerve.json";  ///< As a plan names it.
 
 /// A folder that is locked against other servers during the lifetime of this object. Thread-safe.
 class CaseFolder {
@@ -177,6 +178,10 @@ inline constexpr const char* kStages[] = {
 
 /// Whether a plan that passed check_files_of_plan() names the painted boundary conditions.
 [[nodiscard]] bool names_boundary(const nlohmann::json& plan);
+
+/// Whether a plan that passed check_files_of_plan() keeps the canals of the nerves free.
+/// \param text  of the plan.
+[[nodiscard]] bool names_canals(const std::string& text);
 
 /// \param text  of a plan.
 /// \returns nothing, or kPlanInvalid if the plan is not an object with segments, or names a file

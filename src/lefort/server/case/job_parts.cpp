@@ -33,6 +33,11 @@ void note_other_scans(const CaseFolder& folder, Progress& progress) {
                                     ? "painted boundary conditions"
                                 : std::string_view(input) == "plan" ? "movements of the plan"
                                                                     : "landmarks"));
+  const auto text = io::read_text(folder.plan(), kMaxDocument);
+  if (text && check_files_of_plan(*text) && names_canals(*text) &&
+      folder.stage("nerve")["state"] != "fresh")
+    progress.note(
+        "warning: the plan keeps canals of the nerves free that are out of date: trace them again");
 }
 
 bool is_surface(const std::filesystem::path& upload) {

@@ -23,7 +23,8 @@ namespace lefort::server {
 ///   check_files_of_plan().
 [[nodiscard]] Result<void> check_plan(const CaseFolder& folder);
 
-/// Notes which of landmarks, plan and painted boundary conditions were made on another scan.
+/// Notes which of landmarks, plan and painted boundary conditions were made on another scan, and
+/// whether the plan keeps canals of nerves free that are out of date.
 void note_other_scans(const CaseFolder& folder, Progress& progress);
 
 /// Whether an upload is a surface; otherwise it is a scan.

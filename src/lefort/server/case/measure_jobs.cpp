@@ -197,8 +197,44 @@ void set_lengths(const JobRecord& job, pipeline::SplintJob& splint) {
                                        {"clearance_mm", &splint.options.clearance_mm},
                                        {"cover_mm", &splint.options.cover_mm},
                                        {"wall_mm", &splint.options.wall_mm},
+                                       {"rim_mm", &splint.options.rim_mm},
+                                       {"edge_mm", &splint.options.edge_mm},
                                        {"voxel_mm", &splint.options.voxel_mm}})
     *value_mm = job.parameters.value(name, *value_mm);
+}
+
+/// The numbers of the teeth unless they are out of date, which is noted.
+std::optional<fs::path> teeth_of_occlusion(const CaseFolder& folder, Progress& progress) {
+  const std::string state = folder.stage("teeth")["state"];
+  if (state == "stale")
+    progress.note(
+        "warning: the numbers of the teeth are out of date; midlines and the relations of canines "
+        "and molars are not measured");
+  if (state != "fresh") return std::nullopt;
+  return folder.teeth() / "teeth.json";
+}
+
+/// What the occlusion has to be. A midline needs the teeth of the job.
+Result<void> set_requests(const JobRecord& job, pipeline::OcclusionJob& occlusion) {
+  dental::OcclusionRequests& requests = occlusion.options.requests;
+  for (const auto& [name, value_mm] : {std::pair{"midline_mm", &requests.midline_mm},
+                                       {"overjet_mm", &requests.overjet_mm},
+                                       {"overbite_mm", &requests.overbite_mm}})
+    if (const auto found = job.parameters.find(name); found != job.parameters.end())
+      *value_mm = found->get<double>();
+  if (requests.midline_mm && !occlusion.teeth)
+    return fail(ErrorCode::kInvalidArgument,
+                "a requested midline needs the numbers of the teeth, up to date: number the teeth "
+                "first");
+  return {};
+}
+
+/// A message with words in place of the file of the numbered teeth.
+std::string naming_teeth(std::string message, const pipeline::OcclusionJob& occlusion) {
+  if (!occlusion.teeth) return message;
+  const std::string file = occlusion.teeth->string();
+  message = with_other(std::move(message), file + ": --midline needs", "a midline needs");
+  return with_other(std::move(message), file, "numbers of the teeth");
 }
 
 /// The canals of the case unless they are out of date, which is noted.
@@ -317,11 +353,15 @@ Result<JobOutcome> occlusion_job(const JobContext& context, const JobRecord& job
     occlusion.arches = folder.arches() / "arches.json";
     occlusion.output = folder.occlusion();
     occlusion.is_as_scanned = job.parameters.value("source", "search") == "as_scanned";
+    occlusion.teeth = teeth_of_occlusion(folder, progress);
+    LEFORT_TRY_VOID(set_requests(job, occlusion));
     for (const ArchScan* bite : {&first, &second})
       if (bite->source) occlusion.bites.push_back(bite->source->path());
     auto summary = pipeline::find_arch_occlusion(occlusion, progress);
     if (!summary)
-      return fail(summary.error().code, naming_scans(summary.error().message, {&first, &second}));
+      return fail(
+          summary.error().code,
+          naming_teeth(naming_scans(summary.error().message, {&first, &second}), occlusion));
     for (const ArchScan* bite : {&first, &second})
       if (bite->source) static_cast<void>(context.uploads.remove(bite->upload));
     return summary;
@@ -339,6 +379,7 @@ Result<JobOutcome> splint_job(const JobContext& context, const JobRecord& job, P
     splint.arches = folder.arches() / "arches.json";
     splint.output = folder_of_measure(folder, stage);
     set_lengths(job, splint);
+    splint.text = job.parameters.value("text", "");
     if (stage == "splint_final") {
       LEFORT_TRY_VOID(check_fresh(folder, "occlusion",
                                   "the occlusion is not found, or out of date: find it first"));

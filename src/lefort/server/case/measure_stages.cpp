@@ -64,7 +64,7 @@ std::optional<CaseFolder::Inputs> inputs_of_cuts(const CaseFolder& folder) {
   if (!text || !check_files_of_plan(*text)) return std::nullopt;
   CaseFolder::Inputs inputs{{"plan", io::Sha256().add(*text).hex()}};
   for (const std::string& name : io::files_of_plan(*text))
-    if (name != kBoundaryFile)
+    if (name != kBoundaryFile && name != kNerveFile)  // Guides depend on the canals anyway.
       inputs[name == folder.landmarks().filename() ? "landmarks" : "tissues"] =
           print_of(folder, folder.root() / name);
   return inputs;
@@ -100,6 +100,8 @@ std::optional<CaseFolder::Inputs> inputs_of_measure(const CaseFolder& folder,
     const auto arches = print_of_arches(folder);
     if (!arches) return std::nullopt;
     inputs["arches"] = *arches;
+    if (stage == "occlusion")
+      inputs["teeth"] = print_if_fresh(folder, "teeth", folder.teeth() / "teeth.json");
     if (stage == "splint_final")
       inputs["occlusion"] = print_if_fresh(folder, "occlusion", folder.occlusion() / "lower.stl");
     if (stage == "splint_intermediate")

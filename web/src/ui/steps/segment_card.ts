@@ -1,5 +1,7 @@
 import { html, nothing } from 'lit-html';
 import {
+  CANAL_CLEARANCE_MM,
+  canalClearance,
   cssOf,
   cutsNothing,
   editOsteotomy,
@@ -7,6 +9,7 @@ import {
   editSegment,
   fixed,
   flipped,
+  keepsCanals,
   mapVec3,
   ml,
   renameSegment,
@@ -15,6 +18,7 @@ import {
   templateKind,
   TEMPLATES,
   toOsteotomy,
+  withCanals,
   withoutCurve,
   withoutPlane,
   withoutSegment,
@@ -25,8 +29,8 @@ import {
 } from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
-import { lastJob, type State } from '../state';
-import { button, hint, iconButton, notice, select, type Html } from '../widgets';
+import { lastJob, stageOf, type State } from '../state';
+import { button, hint, iconButton, notice, select, toggle, type Html } from '../widgets';
 
 /** Default of the Le Fort I template. */
 const ABOVE_PALATE_MM = 5;
@@ -98,7 +102,7 @@ function edit(app: App, index: number, change: (o: Osteotomy) => Osteotomy, gest
 function templatePart(app: App, s: State, o: Osteotomy, index: number): Html {
   const kind = templateKind(o);
   if (!kind) return nothing;
-  const placed = s.templatePlanes.get(templateKey(o.template, app.model.doc.landmarks));
+  const placed = placedTemplate(app, s, o);
   const { title } = TEMPLATES.find((t) => t.kind === kind)!;
   return html`<div class="row">
       <span class="grow"><strong>${title}</strong> from landmarks</span> ${button(
@@ -112,14 +116,47 @@ function templatePart(app: App, s: State, o: Osteotomy, index: number): Html {
       )}
     </div>
     ${typeof placed === 'string' ? notice('error', 'The template cannot be placed', placed) : nothing}
-    ${kind === 'le-fort-1' ? palateField(app, o, index) : nothing}`;
+    ${kind === 'le-fort-1' ? palateField(app, o, index) : nothing}
+    ${kind === 'sagittal-split' ? canalFields(app, s, o, index) : nothing}`;
+}
+
+/** The planes of a template, or why it cannot be placed; undefined before the server's answer. */
+const placedTemplate = (app: App, s: State, o: Osteotomy) =>
+  s.templatePlanes.get(templateKey(o, app.model.doc.landmarks, stageOf(s, 'nerve')));
+
+/** Whether a sagittal split keeps the canals of the nerves in the distal segment. */
+function canalFields(app: App, s: State, o: Osteotomy, index: number): Html {
+  const keeps = keepsCanals(o);
+  const isTraced = stageOf(s, 'nerve').state === 'fresh';
+  return html`${toggle(
+    'Keep the canals free',
+    keeps,
+    (on) => edit(app, index, (old) => withCanals(old, on ? CANAL_CLEARANCE_MM : null)),
+    !keeps && !isTraced,
+  )}
+  ${isTraced ? nothing : hint('Trace the canals of the nerves first, in step 9.')}
+  ${keeps
+    ? numberField({
+        label: 'Distance from the canals',
+        hint: 'beside the saw width',
+        value: canalClearance(o),
+        unit: 'mm',
+        step: 0.5,
+        min: 0,
+        max: 5,
+        id: `canals-${index}`,
+        onInput: (v) => edit(app, index, (old) => withCanals(old, v), `canals-${index}`),
+      })
+    : nothing}`;
 }
 
 function replaceTemplate(app: App, index: number): void {
   const { s, doc } = app.model;
-  const { template, ...rest } = doc.plan.segments[index].osteotomy;
-  const placed = s.templatePlanes.get(templateKey(template, doc.landmarks));
+  const { osteotomy } = doc.plan.segments[index];
+  const placed = placedTemplate(app, s, osteotomy);
   if (placed === undefined || typeof placed === 'string') return;
+  const rest = { ...osteotomy };
+  delete rest.template;
   edit(app, index, () => ({ ...rest, ...toOsteotomy(placed) }));
 }
 

@@ -1,6 +1,16 @@
 import { html, nothing } from 'lit-html';
 import type { Schemas } from '../../api';
-import { fixed, maxillaOf, MIN_THICKNESS_MM, ml, mm, SPLINT_LIMITS, type SplintSettings } from '../../model';
+import {
+  faultOfSplint,
+  fixed,
+  MAX_LETTERS,
+  maxillaOf,
+  MIN_THICKNESS_MM,
+  ml,
+  mm,
+  SPLINT_LIMITS,
+  type SplintSettings,
+} from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
 import { stageOf, type State } from '../state';
@@ -18,6 +28,8 @@ const LENGTHS = [
   { key: 'clearance_mm', label: 'Clearance', hint: 'between crowns and splint', step: 0.05, digits: 2 },
   { key: 'cover_mm', label: 'Cover', hint: 'height of the crowns', step: 0.5, digits: 1 },
   { key: 'wall_mm', label: 'Wall', hint: 'beyond the covered crowns', step: 0.5, digits: 1 },
+  { key: 'rim_mm', label: 'Rim', hint: 'the wall beside the crowns', step: 0.5, digits: 1 },
+  { key: 'edge_mm', label: 'Edges', hint: 'radius', step: 0.1, digits: 1 },
 ] as const;
 
 /** The final and the intermediate splint. */
@@ -49,6 +61,7 @@ export function splintSection(app: App, s: State): Html {
         onInput: (value) => set({ [key]: value }),
       }),
     ),
+    textField(s, set),
     jobControl(app, s, {
       kind: 'splint',
       start: found ? 'Make the splint again' : 'Make the splint',
@@ -59,10 +72,25 @@ export function splintSection(app: App, s: State): Html {
     found ? splintResult(found) : nothing,
     downloads(app, s, stage, [
       [`${stage}.stl`, 'Splint, for a printer'],
+      [`${stage}.3mf`, 'Splint with its unit and title, for a printer'],
       [`${stage}.json`, 'All measures of the splint'],
     ]),
   );
 }
+
+const textField = (s: State, set: (part: Partial<SplintSettings>) => void): Html =>
+  html`<label class="field">
+    <span>Text, engraved into the front: ${MAX_LETTERS} letters or fewer</span>
+    <input
+      type="text"
+      data-id="splint-text"
+      maxlength=${MAX_LETTERS}
+      spellcheck="false"
+      autocomplete="off"
+      .value=${s.splintSettings.text}
+      @input=${(e: Event) => set({ text: (e.target as HTMLInputElement).value })}
+    />
+  </label>`;
 
 function segmentField(app: App, segment: string | null, set: (part: Partial<SplintSettings>) => void): Html {
   const names = app.model.doc.plan.segments.map(({ name }) => name);
@@ -78,6 +106,8 @@ function segmentField(app: App, segment: string | null, set: (part: Partial<Spli
 /** What must be done before; null if nothing. */
 function lacking(s: State): string | null {
   if (!bothArches(s)) return 'Register the intraoral scans of both jaws first.';
+  const fault = faultOfSplint(s.splintSettings);
+  if (fault !== null) return fault;
   if (s.splintSettings.splint === 'final')
     return stageOf(s, 'occlusion').state === 'fresh' ? null : 'Find the occlusion first.';
   return stageOf(s, 'check').state === 'fresh' ? null : 'Check the plan first, in step 5, Movement.';
@@ -92,6 +122,7 @@ const splintResult = (found: Schemas['Splint']): Html =>
     ['Smallest thickness', mm(found.min_thickness_mm, 2)],
     ['Volume', ml(found.volume_ml)],
     ['Opening', mm(found.open_mm)],
+    ...(found.text ? [['Text', found.text] as const] : []),
   ])}
   ${fitTable(found)}`;
 

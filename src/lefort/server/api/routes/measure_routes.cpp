@@ -91,16 +91,21 @@ Response get_arches(ServedCase& served, const Request& request, const PathValues
 }
 
 Response get_occlusion(ServedCase& served, const Request& request, const PathValues&) {
-  return document_reply(served, request,
-                        {"occlusion", "Occlusion", [](const ServedCase&, const json& document) {
-                           return only(document, {"notice", "source", "bites", "movement",
-                                                  "contacts", "overjet_mm", "overbite_mm"});
-                         }});
+  return document_reply(
+      served, request,
+      {"occlusion", "Occlusion", [](const ServedCase&, const json& document) {
+         json shown = only(document, {"notice", "source", "bites", "movement", "contacts",
+                                      "overjet_mm", "overbite_mm", "relations", "requests"});
+         only_within(shown, {"relations"},
+                     {"midline_mm", "right_canine", "left_canine", "right_molar", "left_molar"});
+         only_within(shown, {"requests"}, {"midline_mm", "overjet_mm", "overbite_mm"});
+         return shown;
+       }});
 }
 
 json shown_splint(const ServedCase&, const json& document) {
-  json shown = only(
-      document, {"notice", "volume_ml", "parts", "min_thickness_mm", "open_mm", "upper", "lower"});
+  json shown = only(document, {"notice", "volume_ml", "parts", "min_thickness_mm", "open_mm",
+                               "text", "upper", "lower"});
   only_within(shown, {"upper", "lower"}, {"clearance_mm", "max_penetration_mm"});
   for (const char* jaw : {"upper", "lower"})
     if (const auto pose = document.find(fmt::format("{}_pose_4x4_row_major_mm_lps", jaw));

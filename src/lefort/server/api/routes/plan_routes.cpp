@@ -7,12 +7,25 @@
 #include <lefort/server/api/route.h>
 #include <lefort/server/case/served_case.h>
 
+#include <cstddef>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace lefort::server {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kTraceCanals = "trace the canals of the nerves first, in step 9";
+
+/// A refused plan, without the path of the case.
+Response refused_plan(const ServedCase& served, std::string message, std::string_view where) {
+  const std::string root = served.folder.root().string() + "/";
+  for (std::size_t at = message.find(root); at != std::string::npos; at = message.find(root))
+    message.erase(at, root.size());
+  return error_response(422, "invalid", message, where);
+}
 
 Response get_plan(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.plan());
@@ -30,8 +43,10 @@ Response put_plan(ServedCase& served, const Request& request, const PathValues&)
   if (!body.value) return body.error;
   if (const auto files = check_files_of_plan(body.text); !files)
     return error_response(files.error());
+  if (names_canals(body.text) && !there_is(served.folder.root() / kNerveFile))
+    return error_response(422, "invalid", kTraceCanals, "plan");
   const auto plan = io::parse_plan(body.text, served.folder.root());
-  if (!plan) return error_response(422, "invalid", plan.error().message, "plan");
+  if (!plan) return refused_plan(served, plan.error().message, "plan");
   const std::scoped_lock lock(served.writing);
   if (names_boundary(*body.value) && !there_is(served.folder.boundary()))
     return error_response(422, "invalid", "boundary.labels: no boundary conditions are painted",
@@ -67,18 +82,31 @@ Response get_plan_poses(ServedCase& served, const Request& request, const PathVa
   return json_response({{"count", *count}, {"segments", segments}});
 }
 
+/// The osteotomy of a request as that of a plan.
+json osteotomy_of(const json& request) {
+  json osteotomy{{"template", request["template"]}};
+  if (!request.value("keep_canals", false)) return osteotomy;
+  json& cut = osteotomy["template"];
+  if (cut.is_string()) cut = {{"kind", cut}};
+  cut["nerve"] = kNerveFile;
+  osteotomy["kerf_mm"] = request.value("kerf_mm", 0.0);
+  return osteotomy;
+}
+
 Response post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "OsteotomyRequest");
   if (!body.value) return body.error;
+  if (body.value->value("keep_canals", false) && served.folder.stage("nerve")["state"] != "fresh")
+    return error_response(422, "invalid", kTraceCanals, "keep_canals");
   // Read as a plan reads it.
   const json plan_json{{"lefort_plan", 1},
                        {"landmarks", (*body.value)["landmarks"]},
                        {"segments",
                         {{{"name", "segment"},
-                          {"osteotomy", {{"template", (*body.value)["template"]}}},
+                          {"osteotomy", osteotomy_of(*body.value)},
                           {"path", {{"keyframes", {{{"path_fraction", 1}}}}}}}}}};
   const auto plan = io::parse_plan(plan_json.dump(), served.folder.root());
-  if (!plan) return error_response(422, "invalid", plan.error().message, "template");
+  if (!plan) return refused_plan(served, plan.error().message, "template");
   const auto as_planes = [](const std::vector<plan::CutPlane>& planes) {
     json list = json::array();
     for (const plan::CutPlane& plane : planes)
