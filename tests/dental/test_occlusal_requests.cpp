@@ -90,7 +90,7 @@ TEST(OcclusalRequests, are_met_without_penetration) {
             free->contacts.left_mm2 + free->contacts.right_mm2);
 }
 
-/// Teeth do not give way: what cannot be met stays different, without penetration.
+/// Teeth are rigid: what cannot be met stays different, without penetration.
 TEST(OcclusalRequests, do_not_press_teeth_into_each_other) {
   const geometry::TriangleMesh upper_L = test::make_arch({.seed = kSeed}, true);
   const geometry::TriangleMesh lower_L = geometry::transformed(

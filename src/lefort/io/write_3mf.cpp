@@ -50,7 +50,8 @@ std::string escaped(std::string_view text) {
 std::string model_of(const geometry::TriangleMesh& mesh_L, const std::string& title) {
   std::string xml = fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
-<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
+<model unit="millimeter" xml:lang="en-US"
+ xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
  <metadata name="Title">{}</metadata>
  <metadata name="Description">{}</metadata>
  <resources>

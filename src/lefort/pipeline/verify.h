@@ -64,8 +64,8 @@ struct DentalBenchJob {
 /// in the CT, occlusion by search and from a bite scan after disturbances of up to 5 mm and 8
 /// degrees, and the fit of a splint. Labels and landmarks are the true ones.
 ///
-/// \returns the table with targets; kInvalidArgument if `output` does not end in .csv; the errors of
-///   the functions (a search without a result counts as 99 mm); or kFileUnwritable.
+/// \returns the table with targets; kInvalidArgument if `output` does not end in .csv; the errors
+///   of the functions (a search without a result counts as 99 mm); or kFileUnwritable.
 [[nodiscard]] Result<Summary> bench_dental(const DentalBenchJob& job, Progress& progress);
 
 struct PreviewBenchJob {
