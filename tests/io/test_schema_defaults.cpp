@@ -125,6 +125,7 @@ TEST(SchemaDefaults, OfAPlanAreThoseOfTheProgram) {
        {osteotomy + "/template/above_pogonion_mm", cut.above_pogonion_mm},
        {osteotomy + "/template/split_depth_mm", cut.split_depth_mm},
        {osteotomy + "/template/behind_molar_mm", cut.behind_molar_mm},
+       {osteotomy + "/template/nerve_clearance_mm", cut.canal_clearance_mm},
        {osteotomy + "/kerf_mm", segment.osteotomy.kerf_mm},
        {osteotomy + "/anchor_points", Json::array()},
        {osteotomy + "/min_piece_ml", segment.cut.min_piece_ml},

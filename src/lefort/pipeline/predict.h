@@ -19,8 +19,6 @@ struct PredictJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
   std::filesystem::path output;             ///< A folder; created if missing.
-  /// Instead of the plan's segmentation.teeth: "auto", "none" or a tooth map.
-  std::optional<std::string> teeth = std::nullopt;
   bool pictures = true;
   /// Also solves with the interfaces `bonded` and `contact` on a coarse mesh
   /// (interface_sensitivity.h).
@@ -35,6 +33,8 @@ struct PredictJob {
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
   /// As `on_step`, after each Newton iteration.
   std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
+  /// Instead of the plan's segmentation.teeth: "auto", "none" or a tooth map.
+  std::optional<std::string> teeth = std::nullopt;
 };
 
 /// Computes the predicted face of a plan; writes the report and the result files.
