@@ -41,6 +41,15 @@ geometry::TriangleMesh faces_in(const geometry::TriangleMesh& faces_L,
   return part;
 }
 
+/// Whether a procedure cuts that jaw. The planes of a Le Fort osteotomy reach into the mandible,
+/// whose bone is not cut (perform_osteotomy.h); any other cut may be in both.
+bool cuts_jaw(const plan::Osteotomy& osteotomy, anatomy::Tooth jaw) {
+  if (!osteotomy.procedure) return true;
+  const bool is_of_mandible = *osteotomy.procedure == plan::OsteotomyTemplate::kGenioplasty ||
+                              *osteotomy.procedure == plan::OsteotomyTemplate::kSagittalSplit;
+  return is_of_mandible == (jaw == anatomy::Tooth::kLower);
+}
+
 /// The number at the center of a voxel.
 int number_at(const image::Volume<std::uint8_t>* numbers, const Vec3& p_L) {
   if (numbers == nullptr) return 0;
@@ -66,6 +75,7 @@ std::vector<RootDistance> root_distances(const plan::CutSegments& cut,
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const geometry::TriangleMesh& cut_L = zones[k].cut_faces_L;
     for (std::size_t jaw = 0; jaw < kJaws.size(); ++jaw) {
+      if (!cuts_jaw(planned[k].osteotomy, kJaws[jaw])) continue;
       geometry::TriangleMesh faces_L = faces_in(cut_L, labels, kBones[jaw]);
       if (faces_L.triangles.empty()) continue;
       const geometry::Bvh faces(std::move(faces_L));

@@ -23,7 +23,8 @@ struct RootDistance {
 };
 
 /// \param cut        result of cut_segments().
-/// \param planned    the plan that was cut.
+/// \param planned    the plan that was cut; a known procedure is compared with the teeth of its
+///   jaw alone.
 /// \param labels     of the scan: cuts in the mandible are compared with lower teeth, all others
 ///   with upper teeth.
 /// \param teeth      crowns and roots. \pre on the grid of `labels`.
