@@ -304,18 +304,24 @@ TEST_F(ServerMeasures, AnOcclusionFollowsRequestsAndNumbersOfTeeth) {
   EXPECT_TRUE(free["relations"].contains("left_molar"));
   EXPECT_TRUE(free["requests"].empty());
 
-  const double wanted_mm = free["overbite_mm"].get<double>() + 0.1;
-  const json job =
-      api().run({{"kind", "occlusion"}, {"overbite_mm", wanted_mm}, {"overjet_mm", 9.0}});
+  const json wanted{{"overjet_mm", free["overjet_mm"].get<double>() + 0.5},
+                    {"overbite_mm", free["overbite_mm"].get<double>() + 0.1}};
+  json request{{"kind", "occlusion"}, {"source", "search"}};
+  request.update(wanted);
+  const json job = api().run(request);
   ASSERT_EQ(job["state"], "done") << job.dump(1);
   const json found = document("/occlusion", "Occlusion");
   EXPECT_EQ(found["source"], "maximum intercuspation with requests");
-  EXPECT_FALSE(found["requests"].contains("midline_mm"));
-  EXPECT_EQ(found["requests"]["overbite_mm"]["requested"], wanted_mm);
-  EXPECT_EQ(found["requests"]["overbite_mm"]["reached"], found["overbite_mm"]);
-  EXPECT_FALSE(found["requests"]["overjet_mm"]["is_met"]);
-  EXPECT_NE(job["message"].get<std::string>().find("overjet of 9.0 mm is not reached"),
-            std::string::npos);
+  ASSERT_EQ(found["requests"].size(), 2U);
+  for (const auto& [name, wanted_mm] : wanted.items()) {
+    const json one = found["requests"][name];
+    EXPECT_EQ(one["requested"], wanted_mm) << name;
+    EXPECT_EQ(one["reached"], found[name]) << name;
+    const double difference_mm = found[name].get<double>() - wanted_mm.get<double>();
+    EXPECT_EQ(one["is_met"], std::abs(difference_mm) <= 0.3) << name;
+    EXPECT_LT(std::abs(difference_mm), 0.5) << name;
+  }
+  EXPECT_EQ(found["pose"].size(), 16U);
 
   const auto correct = [&](const json& corrections) {
     return api()
@@ -333,7 +339,7 @@ TEST_F(ServerMeasures, AnOcclusionFollowsRequestsAndNumbersOfTeeth) {
   thick["rim_mm"] = 3.0;
   expect_failed(thick, "the rim is 3 mm");
   blank["text"] = "  ";
-  expect_failed(blank, "blanks");
+  expect_failed(blank, "no visible letter");
   with_text.update({{"text", "Case 17"}, {"rim_mm", 1.5}, {"edge_mm", 0.5}});
   const json made = api().run(with_text);
   ASSERT_EQ(made["state"], "done") << made.dump(1);
@@ -562,6 +568,12 @@ TEST_F(ServerMeasures, ASagittalSplitKeepsTheCanals) {
   expect_refused(api().put("/plan", kept), kTrace);
 
   ASSERT_EQ(api().run({{"kind", "nerve"}})["state"], "done");
+  expect_refused(place({{"keep_canals", true}}), "canal lies too lateral");
+  // The canals of this head, moved to where a split can keep them.
+  json nerves = json::parse(io::read_text(root() / "nerve/nerve.json", 1 << 24).value());
+  for (const auto& [side, medial_mm] : {std::pair{"right", 11.0}, {"left", -11.0}})
+    for (json& p : nerves[side]["points"]) p[0] = p[0].get<double>() + medial_mm;
+  ASSERT_TRUE(io::write_text(root() / "nerve/nerve.json", nerves.dump()));
   const Response plain = place(json::object()), free = place({{"keep_canals", true}});
   ASSERT_EQ(plain.status, 200) << plain.text;
   ASSERT_EQ(free.status, 200) << free.text;
