@@ -253,7 +253,7 @@ TEST_F(ServerMeasures, ArchesAreRegisteredBroughtToOcclusionAndHeldByASplint) {
   EXPECT_EQ(splint["upper_pose"], json({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}));
   EXPECT_EQ(stage("splint_final")["state"], "fresh");
   EXPECT_EQ(stage("splint_intermediate")["state"], "missing");
-  expect_files("splint_final", {"splint_final.stl", "splint_final.json"});
+  expect_files("splint_final", {"splint_final.stl", "splint_final.3mf", "splint_final.json"});
   expect_surface("splint_final");
   expect_failed({{"kind", "splint"}, {"splint", "intermediate"}}, "check it first");
   EXPECT_EQ(stage("splint_intermediate")["state"], "failed");
@@ -294,6 +294,59 @@ TEST_F(ServerMeasures, AnOcclusionIsThatOfTheScannerOrOfBiteScans) {
   EXPECT_EQ(document("/occlusion", "Occlusion"), occlusion);  // The earlier one is kept.
 }
 
+TEST_F(ServerMeasures, AnOcclusionFollowsRequestsAndNumbersOfTeeth) {
+  register_arches();
+  expect_failed({{"kind", "occlusion"}, {"midline_mm", 0}}, "number the teeth first");
+  ASSERT_EQ(api().run({{"kind", "teeth"}})["state"], "done");
+  const json closed = api().run({{"kind", "occlusion"}});
+  ASSERT_EQ(closed["state"], "done") << closed.dump(1);
+  const json free = document("/occlusion", "Occlusion");
+  EXPECT_TRUE(free["relations"].contains("left_molar"));
+  EXPECT_TRUE(free["requests"].empty());
+
+  const json wanted{{"overjet_mm", free["overjet_mm"].get<double>() + 0.5},
+                    {"overbite_mm", free["overbite_mm"].get<double>() + 0.1}};
+  json request{{"kind", "occlusion"}, {"source", "search"}};
+  request.update(wanted);
+  const json job = api().run(request);
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  const json found = document("/occlusion", "Occlusion");
+  EXPECT_EQ(found["source"], "maximum intercuspation with requests");
+  ASSERT_EQ(found["requests"].size(), 2U);
+  for (const auto& [name, wanted_mm] : wanted.items()) {
+    const json one = found["requests"][name];
+    EXPECT_EQ(one["requested"], wanted_mm) << name;
+    EXPECT_EQ(one["reached"], found[name]) << name;
+    const double difference_mm = found[name].get<double>() - wanted_mm.get<double>();
+    EXPECT_EQ(one["is_met"], std::abs(difference_mm) <= 0.3) << name;
+    EXPECT_LT(std::abs(difference_mm), 0.5) << name;
+  }
+  EXPECT_EQ(found["pose"].size(), 16U);
+
+  const auto correct = [&](const json& corrections) {
+    return api()
+        .put("/teeth/corrections", {{"lefort_tooth_corrections", 1}, {"corrections", corrections}})
+        .status;
+  };
+  ASSERT_EQ(correct({{{"found", 18}, {"fdi", 0}}}), 200);
+  EXPECT_EQ(stage("occlusion")["why"], "the numbers of the teeth changed, or are out of date");
+  expect_failed({{"kind", "occlusion"}, {"midline_mm", 0}}, "number the teeth first");
+  ASSERT_EQ(correct(json::array()), 200);
+  EXPECT_EQ(stage("occlusion")["state"], "fresh");
+
+  const json splint{{"kind", "splint"}, {"splint", "final"}, {"open_mm", 2.5}, {"voxel_mm", 0.5}};
+  json with_text = splint, thick = splint, blank = splint;
+  thick["rim_mm"] = 3.0;
+  expect_failed(thick, "the rim is 3 mm");
+  blank["text"] = "  ";
+  expect_failed(blank, "no visible letter");
+  with_text.update({{"text", "Case 17"}, {"rim_mm", 1.5}, {"edge_mm", 0.5}});
+  const json made = api().run(with_text);
+  ASSERT_EQ(made["state"], "done") << made.dump(1);
+  EXPECT_EQ(document("/splints/final", "Splint")["text"], "Case 17");
+  EXPECT_EQ(body_of(api().call_api("GET", "/files/splint_final.3mf")).substr(0, 2), "PK");
+}
+
 TEST_F(ServerMeasures, ScansThatAreNoneAreRefusedInOneLine) {
   expect_failed({{"kind", "arches"}}, "no intraoral scan");
   expect_failed({{"kind", "arches"}, {"upper", "0123456789abcdef"}}, "upper jaw: no such upload");
@@ -309,17 +362,28 @@ TEST_F(ServerMeasures, ScansThatAreNoneAreRefusedInOneLine) {
   EXPECT_NE(swapped["message"].get<std::string>().find("upper jaw: "), std::string::npos);
   EXPECT_EQ(swapped["message"].get<std::string>().find("uploads"), std::string::npos);
   EXPECT_FALSE(fs::exists(root() / "intraoral_scans"));
-  for (const char* request :
-       {R"({"kind":"teeth","numbers":"a.csv"})", R"({"kind":"arches","upper":"../a"})",
-        R"({"kind":"splint"})", R"({"kind":"splint","splint":"final","open_mm":-1})",
-        R"({"kind":"splint","splint":"final","wall_mm":1e300})",
-        R"({"kind":"splint","splint":"intermediate","segment":"../../etc"})",
-        R"({"kind":"occlusion","source":"bite"})", R"({"kind":"occlusion","source":"guess"})",
-        R"({"kind":"occlusion","bite":"0123456789abcdef"})",
-        R"({"kind":"guides","segment":"../../etc"})", R"({"kind":"guides","from":"behind"})",
-        R"({"kind":"guides","thickness_mm":1})", R"({"kind":"guides","width_mm":1e300})",
-        R"({"kind":"guides","hole_diameter_mm":0})", R"({"kind":"guides","hole_distance_mm":"5"})",
-        R"({"kind":"cephalogram","norms":"child"})", R"({"kind":"nerve","landmarks":"/etc"})"}) {
+  for (const char* request : {R"({"kind":"teeth","numbers":"a.csv"})",
+                              R"({"kind":"arches","upper":"../a"})",
+                              R"({"kind":"splint"})",
+                              R"({"kind":"splint","splint":"final","open_mm":-1})",
+                              R"({"kind":"splint","splint":"final","wall_mm":1e300})",
+                              R"({"kind":"splint","splint":"intermediate","segment":"../../etc"})",
+                              R"({"kind":"occlusion","source":"bite"})",
+                              R"({"kind":"occlusion","source":"guess"})",
+                              R"({"kind":"occlusion","bite":"0123456789abcdef"})",
+                              R"({"kind":"occlusion","overjet_mm":10.5})",
+                              R"({"kind":"occlusion","midline_mm":null})",
+                              R"({"kind":"occlusion","source":"as_scanned","overbite_mm":1})",
+                              R"({"kind":"splint","splint":"final","rim_mm":0.5})",
+                              R"({"kind":"splint","splint":"final","text":"seventeen letters"})",
+                              R"({"kind":"guides","segment":"../../etc"})",
+                              R"({"kind":"guides","from":"behind"})",
+                              R"({"kind":"guides","thickness_mm":1})",
+                              R"({"kind":"guides","width_mm":1e300})",
+                              R"({"kind":"guides","hole_diameter_mm":0})",
+                              R"({"kind":"guides","hole_distance_mm":"5"})",
+                              R"({"kind":"cephalogram","norms":"child"})",
+                              R"({"kind":"nerve","landmarks":"/etc"})"}) {
     const Response reply = api().call_api("POST", "/jobs", request);
     EXPECT_EQ(reply.status, 422) << request;
     EXPECT_TRUE(parse_by_contract(reply.text, "Error"));
@@ -473,6 +537,71 @@ TEST_F(ServerMeasures, TheCheckUsesTheCanalsAndTheSplintTheCheckedMovement) {
   ASSERT_EQ(api().put("/plan", other).status, 200);
   EXPECT_EQ(stage("splint_intermediate")["state"], "stale");
   EXPECT_EQ(stage("cephalogram")["state"], "stale");
+}
+
+TEST_F(ServerMeasures, ASagittalSplitKeepsTheCanals) {
+  const json landmarks = api().get("/landmarks")["landmarks"];
+  const auto place = [&](const json& more) {
+    json request{{"template", {{"kind", "sagittal-split"}}}, {"landmarks", landmarks}};
+    request.update(more);
+    return api().call_api("POST", "/osteotomies", request.dump());
+  };
+  const auto expect_refused = [&](const Response& reply, const std::string& reason) {
+    EXPECT_EQ(reply.status, 422);
+    EXPECT_TRUE(parse_by_contract(reply.text, "Error"));
+    EXPECT_NE(reply.text.find(reason), std::string::npos) << reply.text;
+    EXPECT_EQ(reply.text.find(folder_.path().string()), std::string::npos) << reply.text;
+  };
+  const auto plan_with = [&](const json& cut) {
+    return json{{"lefort_plan", 1},
+                {"ct", "ct.nrrd"},
+                {"landmarks", "landmarks.mrk.json"},
+                {"segmentation", {{"labels", "anatomy/labels.seg.nrrd"}}},
+                {"segments",
+                 {{{"name", "distal"},
+                   {"osteotomy", {{"template", cut}}},
+                   {"path", {{"keyframes", {{{"translation_mm", {0, -4, 0}}}}}}}}}}};
+  };
+  const json kept = plan_with({{"kind", "sagittal-split"}, {"nerve", "nerve/nerve.json"}});
+  constexpr const char* kTrace = "trace the canals of the nerves first, in step 9";
+  expect_refused(place({{"keep_canals", true}}), kTrace);
+  expect_refused(api().put("/plan", kept), kTrace);
+
+  ASSERT_EQ(api().run({{"kind", "nerve"}})["state"], "done");
+  expect_refused(place({{"keep_canals", true}}), "canal lies too lateral");
+  // The canals of this head, moved to where a split can keep them.
+  json nerves = json::parse(io::read_text(root() / "nerve/nerve.json", 1 << 24).value());
+  for (const auto& [side, medial_mm] : {std::pair{"right", 11.0}, {"left", -11.0}})
+    for (json& p : nerves[side]["points"]) p[0] = p[0].get<double>() + medial_mm;
+  ASSERT_TRUE(io::write_text(root() / "nerve/nerve.json", nerves.dump()));
+  const Response plain = place(json::object()), free = place({{"keep_canals", true}});
+  ASSERT_EQ(plain.status, 200) << plain.text;
+  ASSERT_EQ(free.status, 200) << free.text;
+  const auto placed = parse_by_contract(free.text, "Osteotomy");
+  ASSERT_TRUE(placed);
+  EXPECT_NE(free.text, plain.text);
+  EXPECT_EQ(place({{"keep_canals", false}}).text, plain.text);
+  EXPECT_NE(place({{"keep_canals", true}, {"kerf_mm", 1.0}}).text, free.text);
+  expect_refused(place({{"keep_canals", true}, {"template", "genioplasty"}}), "sagittal-split");
+  expect_refused(
+      api().put("/plan", plan_with({{"kind", "sagittal-split"}, {"nerve", "other/nerve.json"}})),
+      "names the file other/nerve.json");
+
+  // The cut of a plan is out of date with the canals, and a job says so.
+  ASSERT_EQ(api().put("/plan", kept).status, 200);
+  const json cut = api().run({{"kind", "cut"}});
+  ASSERT_EQ(cut["state"], "done") << cut.dump(1);
+  EXPECT_EQ(cut["lines"].dump().find("trace them again"), std::string::npos);
+  json point = document("/nerve", "Nerve")["points"]["IAN-L-2"];
+  point[2] = point[2].get<double>() + 2.0;
+  ASSERT_EQ(api().put("/nerve/points", {{"points", {{"IAN-L-1", point}}}}).status, 200);
+  expect_refused(place({{"keep_canals", true}}), kTrace);
+  EXPECT_NE(api().run({{"kind", "cut"}})["lines"].dump().find("trace them again"),
+            std::string::npos);
+  EXPECT_EQ(stage("cut")["state"], "fresh");
+  ASSERT_TRUE(io::write_text(root() / "nerve/nerve.json", "{}"));
+  EXPECT_EQ(stage("cut")["state"], "stale");
+  expect_refused(api().put("/plan", kept), "nerve/nerve.json: not a nerve.json");
 }
 
 TEST_F(ServerMeasures, GuidesFollowTheCutsOfThePlan) {

@@ -205,6 +205,49 @@ test('an airway that the labels do not have is refused in one line', () =>
     await accessible(page, 'an airway that has failed');
   }));
 
+test('a request is a field that may be empty', () =>
+  withMeasures('arches', async (page) => {
+    const overjet = id('request-overjet_mm');
+    check('nothing is requested at first', (await page.inputValue(overjet)) === '');
+    const type = async (text) => {
+      await page.fill(overjet, text);
+      await page.keyboard.press('Tab');
+      await settled(page);
+      return page.inputValue(overjet);
+    };
+    check('a number is requested', (await type('2.5')) === '2.5');
+    check('a number out of range is not taken', (await type('11')) === '2.5');
+    check('an emptied field is no request', (await type('')) === '');
+    await accessible(page, 'requests of an occlusion');
+    await page.getByRole('button', { name: 'As scanned', exact: true }).click();
+    check('requests are for a search', (await page.locator(overjet).count()) === 0);
+  }));
+
+test('a sagittal split keeps the canals free', () =>
+  withMeasures('nerve', async (page) => {
+    await step(page, 'osteotomy');
+    await page.click(id('template-sagittal-split'));
+    await settled(page);
+    const keep = page.getByRole('switch', { name: 'Keep the canals free' });
+    if (await keep.isDisabled()) {
+      await page.getByText('Trace the canals of the nerves first, in step 9.').waitFor();
+      await step(page, 'measures');
+      await page.click(id('measure-nerve'));
+      await runJob(page, 'nerve');
+      await step(page, 'osteotomy');
+    }
+    const placed = page.waitForResponse((response) => response.url().endsWith('/osteotomies'));
+    await page.locator('.toggle', { hasText: 'Keep the canals free' }).click();
+    const response = await placed;
+    check('the canals are kept', response.request().postDataJSON().keep_canals === true);
+    // The canals of this head lie close to its lateral cortex, where no split is possible.
+    check(`such a split is refused: ${response.status()}`, response.status() === 422);
+    await page.getByText('canal lies too lateral').waitFor();
+    await page.waitForSelector(id('canals-0'));
+    check('the distance is that of the program', (await page.inputValue(id('canals-0'))) === '2.0');
+    await accessible(page, 'a split that keeps the canals');
+  }));
+
 const ok = await runTests({ all: false, only });
 await made?.server.kill();
 made?.remove();

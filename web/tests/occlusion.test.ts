@@ -3,16 +3,23 @@ import type { Schemas } from '../src/api';
 import {
   defaultSplint,
   faultOfSplint,
+  hasLowerTeeth,
   keepsCanals,
+  moveToOcclusion,
   noRequests,
+  poseOf,
   relationRows,
   requestParameters,
   requestRows,
   splintParameters,
   templateKey,
   templateRequest,
+  transformPoint,
+  upperJawOf,
   withCanals,
+  type Move,
   type Osteotomy,
+  type Segment,
 } from '../src/model';
 
 const occlusion = (part: Partial<Schemas['Occlusion']>): Schemas['Occlusion'] => ({
@@ -71,6 +78,42 @@ describe('relations of an occlusion', () => {
     const inLine = { ...relations, midline_mm: 0.01 };
     expect(relationRows(occlusion({ relations: inLine }))[0][1]).toBe('in line');
     expect(relationRows(occlusion({ relations: { ...relations, midline_mm: null } }))[0][1]).toBe('unknown');
+  });
+});
+
+describe('a move to the occlusion', () => {
+  const segment = (name: string, template?: 'le-fort-1' | 'sagittal-split' | 'genioplasty'): Segment => ({
+    name,
+    osteotomy: template ? { template } : {},
+    path: {},
+  });
+  const now: Move = { translation_mm: [9, 9, 9], rotation_deg: [0, 0, 9], about_mm: [100, 40, 20] };
+  const lower: Move = { translation_mm: [0.5, -1, 3], rotation_deg: [2, -1, 4], about_mm: [90, 10, 15] };
+  const close = (a: readonly number[], b: readonly number[]) => a.forEach((v, n) => expect(v).toBeCloseTo(b[n], 9));
+
+  it('has the pose of the lower arch, about the point of the segment', () => {
+    const move = moveToOcclusion(now, poseOf(lower), null);
+    expect(move.about_mm).toEqual(now.about_mm);
+    close(poseOf(move), poseOf(lower));
+  });
+
+  it('follows the upper jaw', () => {
+    const upper: Move = { translation_mm: [0, -4, 2], rotation_deg: [-3, 0, 1], about_mm: [80, 0, 60] };
+    const move = moveToOcclusion(now, poseOf(lower), upper);
+    for (const p of [
+      [100, 0, 0],
+      [80, 30, 20],
+      [95, -10, 5],
+    ] as const)
+      close(transformPoint(poseOf(move), p), transformPoint(poseOf(upper), transformPoint(poseOf(lower), p)));
+  });
+
+  it('is that of a segment with lower teeth', () => {
+    const segments = [segment('chin', 'genioplasty'), segment('distal', 'sagittal-split'), segment('a', 'le-fort-1')];
+    expect(segments.map(hasLowerTeeth)).toEqual([false, true, false]);
+    expect(upperJawOf(segments)).toBe(2);
+    expect(upperJawOf(segments.slice(0, 2))).toBe(-1);
+    expect([segment('Maxilla'), segment('mandible')].map(hasLowerTeeth)).toEqual([false, true]);
   });
 });
 

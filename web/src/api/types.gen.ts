@@ -1698,6 +1698,8 @@ export interface components {
             };
             overjet_mm: number | null;
             overbite_mm: number | null;
+            /** @description Of the lower arch, from lower_arch, or lower_to_occlusion.tfm. */
+            pose?: components["schemas"]["Pose"];
             /** @description With the numbers of the teeth only. */
             relations?: {
                 /** @description Of the lower dental midline to the left of the upper one; null: an incisor is missing. */

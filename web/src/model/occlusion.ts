@@ -1,4 +1,8 @@
 import type { Schemas } from '../api';
+import { add, sub, type Mat4, type Vec3 } from './frames';
+import { poseOf, rotated, rotationVector, transformPoint, type Move } from './moves';
+import { templateKind, type Segment } from './plan';
+import { isMaxilla } from './splint';
 import { fixed } from './units';
 
 /** What an occlusion may be requested to have, in the order of the page. */
@@ -20,6 +24,31 @@ export const noRequests = (): OcclusionRequests => ({ midline_mm: null, overjet_
 /** Parameters of a job: those that are requested. */
 export const requestParameters = (requests: OcclusionRequests): Partial<Record<RequestKey, number>> =>
   Object.fromEntries(REQUESTS.flatMap(({ key }) => (requests[key] === null ? [] : [[key, requests[key]]])));
+
+/** Whether a segment can have the lower teeth. */
+export const hasLowerTeeth = (segment: Segment): boolean => {
+  const kind = templateKind(segment.osteotomy);
+  return kind === 'sagittal-split' || (kind === null && !isMaxilla(segment));
+};
+
+/** The segment whose movement the upper teeth follow; -1 if they stay. */
+export const upperJawOf = (segments: readonly Segment[]): number => segments.findIndex(isMaxilla);
+
+/**
+ * The move about the point of `now` that brings the lower arch to the occlusion with the upper jaw.
+ * `lower`: its pose for the upper jaw as scanned. `upper`: the move of the upper jaw; null if it stays.
+ */
+export function moveToOcclusion(now: Move, lower: Mat4, upper: Move | null): Move {
+  const about: Vec3 = now.about_mm;
+  const here = transformPoint(lower, about);
+  const rotation = [lower[0], lower[1], lower[2], lower[4], lower[5], lower[6], lower[8], lower[9], lower[10]];
+  const alone: Move = { about_mm: about, translation_mm: sub(here, about), rotation_deg: rotationVector(rotation) };
+  if (upper === null) return alone;
+  return {
+    ...rotated(alone, upper.rotation_deg),
+    translation_mm: sub(transformPoint(poseOf(upper), add(about, alone.translation_mm)), about),
+  };
+}
 
 type Occlusion = Schemas['Occlusion'];
 type Row = readonly [name: string, value: string];

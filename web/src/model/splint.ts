@@ -59,9 +59,15 @@ export function splintParameters(settings: SplintSettings) {
   return { open_mm, clearance_mm, cover_mm, wall_mm, rim_mm, edge_mm, ...(text === '' ? {} : { text }) };
 }
 
+const isNamed = ({ name }: Segment): boolean => /maxilla|le_?-?fort_?-?1|lefort1/i.test(name);
+
+/** Whether a segment moves the upper teeth, by its name or its template. */
+export const isMaxilla = (segment: Segment): boolean =>
+  isNamed(segment) || (templateKind(segment.osteotomy)?.startsWith('le-fort') ?? false);
+
 /** The segment that is likely the maxilla: by its name, its template, or as the only one. */
 export function maxillaOf(segments: readonly Segment[]): string | null {
-  const byName = segments.find(({ name }) => /maxilla|le_?-?fort_?-?1|lefort1/i.test(name));
+  const byName = segments.find(isNamed);
   const byTemplate = segments.find(({ osteotomy }) => templateKind(osteotomy) === 'le-fort-1');
   return (byName ?? byTemplate ?? (segments.length === 1 ? segments[0] : undefined))?.name ?? null;
 }

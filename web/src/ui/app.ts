@@ -11,7 +11,9 @@ import {
   redo,
   settle,
   templateKey,
+  moveToOcclusion,
   templateRequest,
+  upperJawOf,
   toRecord,
   transformPoint,
   undo,
@@ -303,6 +305,19 @@ export class App implements Planner {
   setMove(move: Move, gesture: string | null): void {
     const { doc, s } = this.model;
     this.edit({ plan: withMove(doc.plan, s, move, this.move()) }, gesture);
+  }
+
+  /** Moves the segment of the lower teeth to the occlusion of step 9, with the upper jaw where it is planned. */
+  async moveToOcclusion(): Promise<void> {
+    const pose = (await this.attempt(() => this.client.occlusion()))?.pose;
+    const now = this.move();
+    if (!pose || !now) return;
+    const { segments } = this.model.doc.plan;
+    const index = upperJawOf(segments);
+    const upper = index < 0 ? null : this.move(index);
+    if (index >= 0 && upper === null)
+      this.toast(`The path of ${segments[index].name} has no numbers: the occlusion cannot follow it.`, 'error');
+    else this.setMove(moveToOcclusion(now, pose, upper), null);
   }
 
   /** Describes the same motion about another point or landmark. */

@@ -6,6 +6,7 @@ import {
   DEFAULT_STEPS,
   editSegment,
   fixed,
+  hasLowerTeeth,
   keyframesOf,
   segmentColor,
   withComponent,
@@ -58,7 +59,8 @@ export function movementPanel(app: App, s: State, view: Viewer): Html {
     ${segmentChoice(app, s)} ${cutNotice(app, s)}
     ${move
       ? html` <p class="lead-move" data-id="in-words"><strong>${inWords(move)}</strong></p>
-          ${overlapNotice(s)} ${section('Translation', componentFields(app, move, 'translate'))}
+          ${toOcclusion(app, s, segment)} ${overlapNotice(s)}
+          ${section('Translation', componentFields(app, move, 'translate'))}
           ${section('Rotation', componentFields(app, move, 'rotate'), pivotRow(app, s, segment))}`
       : notice(
           'info',
@@ -129,6 +131,17 @@ function componentFields(app: App, move: Move, kind: 'translate' | 'rotate'): Ht
         onDone: () => app.settle(),
       }),
     )}
+  </div>`;
+}
+
+/** Takes the occlusion of step 9 as the movement. */
+function toOcclusion(app: App, s: State, segment: Segment): Html {
+  if (stageOf(s, 'occlusion').state !== 'fresh' || !hasLowerTeeth(segment)) return nothing;
+  return html`<div class="row">
+    ${button('To the occlusion', () => void app.moveToOcclusion(), {
+      id: 'to-occlusion',
+      title: 'Moves the segment of the lower teeth to the occlusion of step 9, with the upper jaw where it is planned',
+    })}
   </div>`;
 }
 

@@ -99,6 +99,8 @@ Response get_occlusion(ServedCase& served, const Request& request, const PathVal
          only_within(shown, {"relations"},
                      {"midline_mm", "right_canine", "left_canine", "right_molar", "left_molar"});
          only_within(shown, {"requests"}, {"midline_mm", "overjet_mm", "overbite_mm"});
+         if (const auto pose = document.find("pose_4x4_row_major_mm_lps"); pose != document.end())
+           shown["pose"] = *pose;
          return shown;
        }});
 }
