@@ -74,7 +74,12 @@ std::vector<double> lengths_along(const Front& front) {
       count += 1.0;
     }
   std::vector<double> along(std::size_t(front.width), kNothing);
-  const auto middle = Index(std::lround(sum / count));
+  auto middle = Index(std::lround(sum / count));
+  for (Index i = 0; i < front.width; ++i)  // The closest column with a body.
+    if (std::isfinite(front.outline_mm[std::size_t(i)]) &&
+        (!std::isfinite(front.outline_mm[std::size_t(middle)]) ||
+         std::abs(double(i) - sum / count) < std::abs(double(middle) - sum / count)))
+      middle = i;
   for (const Index step : {Index(-1), Index(1)}) {
     double length = 0.0;
     for (Index i = middle; i >= 0 && i < front.width; i += step) {
@@ -106,13 +111,20 @@ Result<Front> front_of(const image::ScalarVolume& level) {
   return front;
 }
 
-/// Heights between which the front has space along a part of its outline.
+/// Heights between which the front has space along a part of its outline; none if it is shorter.
 struct Space {
   double low_mm = -kNothing, high_mm = kNothing;
 };
 
 Space space_at(const Front& front, double half_length_mm) {
   Space space;
+  double right_mm = kNothing, left_mm = -kNothing;
+  for (const double along_mm : front.along_mm)
+    if (std::isfinite(along_mm)) {
+      right_mm = std::min(right_mm, along_mm);
+      left_mm = std::max(left_mm, along_mm);
+    }
+  if (!(right_mm <= -half_length_mm && left_mm >= half_length_mm)) return {0.0, -kNothing};
   for (Index i = 0; i < front.width; ++i) {
     if (!(std::abs(front.along_mm[std::size_t(i)]) <= half_length_mm)) continue;
     double low_mm = kNothing, high_mm = -kNothing;

@@ -320,7 +320,9 @@ Vec3 requested_shift(const SearchedArches& arches) {
   for (const Request& request : requests_at(arches, RigidTransform::Identity()))
     if (std::abs(request.direction.dot(arches.axes.superior_L)) < 0.5)
       shift -= request.off_mm(RigidTransform::Identity()) * request.direction;
-  return shift;
+  constexpr double kMaxShift_mm = 6.0;  // Half of the way that the search may go.
+  const double length = shift.norm();
+  return length > kMaxShift_mm ? Vec3(kMaxShift_mm / length * shift) : shift;
 }
 
 std::vector<RigidTransform> starts_of(const SearchedArches& arches,
@@ -471,6 +473,10 @@ Result<Occlusion> find_occlusion(const TriangleMesh& upper_L, const TriangleMesh
                           options.requests,
                           0.0};
   searched.lower_mm2 = area_of(searched.lower.few);
+  const OcclusionRequests& wanted = options.requests;
+  if ((wanted.overjet_mm || wanted.overbite_mm) && !incisal_edges(upper_L, lower_L, axes))
+    return fail(ErrorCode::kInvalidArgument,
+                "overjet and overbite are requested, but there are no opposite incisors");
   LEFORT_TRY(const RigidTransform closed, search(searched, options, progress));
   const double reach_mm = options.is_close ? kPieceReach_mm : kArchReach_mm;
   Occlusion found = measure_occlusion(arches, without_penetration(arches, closed, axes, reach_mm),

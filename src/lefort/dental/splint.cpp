@@ -227,6 +227,11 @@ Result<void> check(const SplintOptions& options) {
   };
   if (in(options.clearance_mm, 0.0, 0.5) && in(options.cover_mm, 0.5, 6.0) &&
       in(options.wall_mm, 1.0, 6.0) && in(options.voxel_mm, 0.1, 0.5)) {
+    if (options.text.width > 0 && !(options.rim_mm >= 1.0 + kTextDepth_mm))
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the rim is {} mm, must be {:g} or more with text, which is {:g} mm "
+                              "deep",
+                              options.rim_mm, 1.0 + kTextDepth_mm, kTextDepth_mm));
     if (in(options.rim_mm, 1.0, options.wall_mm) && in(options.edge_mm, 0.0, 0.5 * options.rim_mm))
       return {};
     return fail(ErrorCode::kInvalidArgument,

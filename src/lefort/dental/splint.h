@@ -19,7 +19,7 @@ struct SplintOptions {
   double rim_mm = 2.0;        ///< The same beside the crowns; 1 to wall_mm.
   double edge_mm = 0.8;       ///< Radius of its edges; 0 to half of rim_mm.
   double voxel_mm = 0.2;      ///< Of the grid; 0.1 to 0.5.
-  TextMask text = {};         ///< Engraved into its front.
+  TextMask text = {};         ///< Engraved into its front; rim_mm is then 1.6 or more.
 };
 
 /// A splint in frame L.

@@ -65,7 +65,7 @@ struct DentalBenchJob {
 /// degrees, and the fit of a splint. Labels and landmarks are the true ones.
 ///
 /// \returns the table with targets; kInvalidArgument if `output` does not end in .csv; the errors
-///   of the functions (a search without a result counts as 99 mm); or kFileUnwritable.
+///   of the scan (a function without a result counts as 99); or kFileUnwritable.
 [[nodiscard]] Result<Summary> bench_dental(const DentalBenchJob& job, Progress& progress);
 
 struct PreviewBenchJob {

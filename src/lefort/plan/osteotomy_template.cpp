@@ -153,19 +153,29 @@ Result<void> keep_free(const NerveCanal& canal, const std::string& side, double 
   constexpr double kMinDepth_mm = 1.0, kMaxMedialCut = 0.8;
   const double free_mm = clearance_mm + canal.radius_mm;
   double inside_mm = std::numeric_limits<double>::infinity(), below_mm = inside_mm;
-  for (const Vec3& p : canal.line_L) {
-    // Anterior to the buccal cut all bone belongs to the distal segment.
-    if (planes.before_buccal.normal_L.dot(p - planes.before_buccal.point_L) > free_mm) continue;
+  const auto ahead = [&](const Vec3& p) {
+    return planes.before_buccal.normal_L.dot(p - planes.before_buccal.point_L) - free_mm;
+  };
+  const auto include = [&](const Vec3& p) {
     inside_mm = std::min(inside_mm, planes.medial.normal_L.dot(p - planes.medial.point_L));
     below_mm = std::min(below_mm, planes.below.normal_L.dot(p - planes.below.point_L));
+  };
+  // Anterior to the buccal cut all bone belongs to the distal segment.
+  for (std::size_t i = 0; i < canal.line_L.size(); ++i) {
+    const Vec3& p = canal.line_L[i];
+    if (ahead(p) <= 0.0) include(p);
+    if (i == 0) continue;
+    const Vec3& before = canal.line_L[i - 1];
+    if ((ahead(before) <= 0.0) != (ahead(p) <= 0.0))
+      include(before + ahead(before) / (ahead(before) - ahead(p)) * (p - before));
   }
   if (inside_mm < free_mm) planes.medial.point_L -= (free_mm - inside_mm) * planes.medial.normal_L;
   if (below_mm < free_mm) planes.below.point_L -= (free_mm - below_mm) * planes.below.normal_L;
   const double depth_mm = planes.medial.normal_L.dot(planes.medial.point_L - ramus.go);
   if (!(depth_mm >= kMinDepth_mm))
     return fail(ErrorCode::kPlanInvalid,
-                fmt::format("the {} canal lies too lateral: {:g} mm from it the split would be "
-                            "{:.1f} mm medial to Go, must be {:g} or more; reduce "
+                fmt::format("the {} canal lies too lateral: {:g} mm (with the kerf) from it the "
+                            "split would be {:.1f} mm medial to Go, must be {:g} or more; reduce "
                             "nerve_clearance_mm or draw the cuts",
                             side, clearance_mm, depth_mm, kMinDepth_mm));
   const double height = (ramus.co - ramus.go).norm();
@@ -186,9 +196,12 @@ Result<SplitPlanes> turned_free(const NerveCanal& canal, const std::string& side
   constexpr double kStep_rad = 2.0 * std::numbers::pi / 180.0;
   constexpr int kSteps = 10;
   std::optional<Error> first;
+  // The same way on both sides: first that which moves the anterior part of the split to medial.
+  const int inwards =
+      ramus.up.cross(planes.before_buccal.normal_L).dot(planes.medial.normal_L) > 0.0 ? 1 : -1;
   for (int step = 0; step <= kSteps; ++step)
-    for (const int sign : {1, -1}) {
-      if (step == 0 && sign < 0) continue;
+    for (const int sign : {inwards, -inwards}) {
+      if (step == 0 && sign != inwards) continue;
       const Eigen::AngleAxisd turn(sign * step * kStep_rad, ramus.up);
       SplitPlanes turned = planes;
       turned.medial.normal_L = turn * planes.medial.normal_L;

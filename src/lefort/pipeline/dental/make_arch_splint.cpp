@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace lefort::pipeline {
 namespace {
@@ -36,6 +37,11 @@ Result<dental::TextMask> text_mask(const std::string& text) {
   constexpr double kPixel_mm = 0.1, kLetters_mm = 3.0, kCapitals = 0.73;
   constexpr std::size_t kMaxLetters = 16;
   if (text.empty()) return dental::TextMask();
+  if (nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::ignore) !=
+          nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) ||
+      text.find("\xEF\xBF\xBE") != std::string::npos ||
+      text.find("\xEF\xBF\xBF") != std::string::npos)
+    return fail(ErrorCode::kInvalidArgument, "the text is not UTF-8, or has a letter that is none");
   const auto letters = std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // Not a continuation in UTF-8.
   });
@@ -109,6 +115,8 @@ Result<Summary> make_arch_splint(const SplintJob& job, Progress& progress) {
   LEFORT_TRY(const dental::Splint splint,
              dental::make_splint(upper_L, lower_L, axes, options, progress));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(io::remove_earlier_files(std::vector<fs::path>{
+      job.output / "splint.json", job.output / "splint.3mf", job.output / "splint.stl"}));
   const fs::path file = job.output / "splint.stl";
   LEFORT_TRY_VOID(io::write_surface(file, splint.surface_L));
   const std::string title = job.text.empty() ? "splint" : fmt::format("splint {}", job.text);

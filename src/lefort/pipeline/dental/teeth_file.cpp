@@ -78,10 +78,12 @@ Result<dental::NumberedCrowns> read_crowns(const fs::path& file) {
       at_L[axis] = value.get<double>();
     }
     const auto width = one.find("width_mm");
-    if (width != one.end() && (!width->is_number() || !(width->get<double>() >= 0.0)))
-      return corrupt_teeth(file, fmt::format("the `width_mm` of tooth {} is not positive", fdi));
+    const bool is_known = width != one.end() && !width->is_null();
+    if (is_known &&
+        !(width->is_number() && width->get<double>() > 0.0 && width->get<double>() < 30.0))
+      return corrupt_teeth(file, fmt::format("the `width_mm` of tooth {} must be 0 to 30", fdi));
     const double width_mm =
-        width == one.end() ? std::numeric_limits<double>::quiet_NaN() : width->get<double>();
+        is_known ? width->get<double>() : std::numeric_limits<double>::quiet_NaN();
     if (!at_L.allFinite() || !crowns.emplace(fdi, dental::Crown{at_L, width_mm}).second)
       return corrupt_teeth(file, fmt::format("tooth {} is there twice, or not finite", fdi));
   }

@@ -338,7 +338,8 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
   LEFORT_TRY(const Bones before, find_skull(job, plan, progress));
   LEFORT_TRY_VOID(check_same_scan(nerves, before.ct_sha256));
-
+  LEFORT_TRY_VOID(
+      check_canals_of_plan(plan_text.json, job.plan.parent_path(), before.ct_sha256, progress));
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,
              plan::cut_segments(before.skull_L, before.mandible_L ? &*before.mandible_L : nullptr,

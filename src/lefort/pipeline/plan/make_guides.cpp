@@ -182,6 +182,8 @@ Result<GuideHead> read_head(const GuideJob& job, Progress& progress) {
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, text.plan, job.ct));
   LEFORT_TRY(ScannedHead head, scan_head(text.plan, ct, cache, progress));
   LEFORT_TRY_VOID(check_same_scan(nerves, head.ct_sha256));
+  LEFORT_TRY_VOID(
+      check_canals_of_plan(text.json, job.plan.parent_path(), head.ct_sha256, progress));
   progress.begin_stage("cut the bone");
   LEFORT_TRY(plan::CutSegments cut,
              plan::cut_segments(head.skull_L, head.mandible(), text.plan.segments, progress));

@@ -24,4 +24,14 @@ namespace lefort::pipeline {
 ///   are known.
 [[nodiscard]] Result<void> check_same_scan(const io::Nerves& nerves, const std::string& ct_sha256);
 
+/// Checks the canals that templates of a plan keep free, and reports their notes.
+///
+/// \param plan_json  text of a valid plan.
+/// \param folder     of the plan.
+/// \param ct_sha256  of the scan that is cut; empty if there is none.
+/// \returns nothing; or the errors of io::read_nerves() and check_same_scan().
+[[nodiscard]] Result<void> check_canals_of_plan(const std::string& plan_json,
+                                                const std::filesystem::path& folder,
+                                                const std::string& ct_sha256, Progress& progress);
+
 }  // namespace lefort::pipeline

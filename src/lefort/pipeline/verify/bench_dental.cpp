@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <numbers>
 #include <random>
@@ -223,6 +224,14 @@ Result<void> make_one_splint(const BenchHead& one, Figures& figures, Progress& p
   return {};
 }
 
+/// A function without a result counts as 99, out of range, in its figures.
+Result<void> counted(Result<void> result, std::uint64_t seed,
+                     std::initializer_list<const char*> names, Figures& figures) {
+  if (result || result.error().code == ErrorCode::kCancelled) return result;
+  for (const char* const name : names) figures.add(seed, 0, name, 99.0);
+  return {};
+}
+
 /// What each figure should be.
 struct Target {
   const char* name;
@@ -283,11 +292,16 @@ Result<Summary> bench_dental(const DentalBenchJob& job, Progress& progress) {
     std::mt19937_64 bits(seed * 7919);
     LEFORT_TRY(const BenchHead one, make_head(seed, job.voxel_mm, job.noise_hu, progress));
     number(one, figures);
-    LEFORT_TRY_VOID(trace(one, figures));
-    LEFORT_TRY_VOID(make_one_splint(one, figures, progress));
+    LEFORT_TRY_VOID(counted(trace(one, figures), seed, {"canal, mean distance [mm]"}, figures));
+    LEFORT_TRY_VOID(counted(make_one_splint(one, figures, progress), seed,
+                            {"splint, clearance [mm]", "splint, penetration [mm]"}, figures));
     for (int start = 0; start < job.starts; ++start) {
-      LEFORT_TRY_VOID(register_both(one, start, bits, figures, progress));
-      LEFORT_TRY_VOID(occlude(one, start, bits, figures, progress));
+      LEFORT_TRY_VOID(counted(
+          register_both(one, start, bits, figures, progress), seed,
+          {"intraoral scan in the CT [mm]", "intraoral scan in the CT [degrees]"}, figures));
+      LEFORT_TRY_VOID(counted(occlude(one, start, bits, figures, progress), seed,
+                              {"occlusion, bite scan [mm]", "occlusion, bite scan [degrees]"},
+                              figures));
       progress.note(
           fmt::format("head {} of {}, start {} of {}", n + 1, job.heads, start + 1, job.starts));
     }

@@ -38,12 +38,13 @@ Error unwritable(const std::error_code& error) {
           fmt::format("the files of a variant cannot be stored: {}", error.message())};
 }
 
-/// A link if the file system has links: all files of a case are replaced, not changed, so that a
-/// link keeps its content. Otherwise a copy.
-Result<void> link_or_copy(const fs::path& from, const fs::path& to) {
+/// Results are linked if the file system has links: they are replaced, not changed, so that a link
+/// keeps its content. What the user may edit in place is copied: the files of the case itself.
+Result<void> link_or_copy(const fs::path& from, const fs::path& to, bool is_result) {
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
-  if (!error) fs::create_hard_link(from, to, error);
+  if (!error && is_result) fs::create_hard_link(from, to, error);
+  if (!error && !is_result) fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
   if (error) fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
   if (error) return tl::unexpected(unwritable(error));
   return {};
@@ -126,7 +127,8 @@ Result<void> store_variant(const CaseFolder& folder, const fs::path& into) {
     for (std::string& name : files_below(folder.prediction(), folder.root()))
       files.push_back(std::move(name));
   for (const std::string& name : files)
-    LEFORT_TRY_VOID(link_or_copy(folder.root() / name, into / name));
+    LEFORT_TRY_VOID(
+        link_or_copy(folder.root() / name, into / name, fs::path(name).has_parent_path()));
   json inputs = json::object();
   for (const char* stage : {"check", "prediction"})
     if (const auto now = folder.inputs_of(stage)) inputs[stage] = *now;
@@ -298,7 +300,8 @@ Result<void> load_variant(CaseFolder& folder, const std::string& name) {
   fs::remove_all(prepared, error);
   const auto restored = [&]() -> Result<void> {
     for (const std::string& file : files_below(stored, stored))
-      LEFORT_TRY_VOID(link_or_copy(stored / file, prepared / file));
+      LEFORT_TRY_VOID(
+          link_or_copy(stored / file, prepared / file, fs::path(file).has_parent_path()));
     return restore_variant(folder, prepared, *document);
   }();
   fs::remove_all(prepared, error);

@@ -71,7 +71,7 @@ Response get_plan_poses(ServedCase& served, const Request& request, const PathVa
   if (!text) return not_found("the case has no plan");
   if (const auto files = check_files_of_plan(*text); !files) return error_response(files.error());
   const auto plan = io::parse_plan(*text, served.folder.root());
-  if (!plan) return error_response(plan.error(), "plan");
+  if (!plan) return refused_plan(served, plan.error().message, "plan");
   json segments = json::object();
   for (const plan::PlannedSegment& segment : plan->segments) {
     json poses = json::array();
