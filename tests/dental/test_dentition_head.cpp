@@ -99,8 +99,8 @@ TEST(DentitionHead, teeth_are_numbered_and_scans_registered) {
   }
   const auto occlusion = find_occlusion(arches_L[0], arches_L[1], ArchAxes{});
   ASSERT_TRUE(occlusion) << occlusion.error().message;
-  EXPECT_LT(max_miss_mm(arches_L[1], occlusion->X_L_lower, head.X_L_occlusion()), 0.3);
-  EXPECT_LT(turn_deg(occlusion->X_L_lower, head.X_L_occlusion()), 0.5);
+  EXPECT_LT(max_miss_mm(arches_L[1], occlusion->X_L_lower, head.X_occlusion_L()), 0.3);
+  EXPECT_LT(turn_deg(occlusion->X_L_lower, head.X_occlusion_L()), 0.5);
 }
 
 }  // namespace

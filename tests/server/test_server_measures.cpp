@@ -340,7 +340,7 @@ TEST_F(ServerMeasures, AnOcclusionFollowsRequestsAndNumbersOfTeeth) {
   expect_failed(thick, "the rim is 3 mm");
   blank["text"] = "  ";
   expect_failed(blank, "no visible letter");
-  with_text.update({{"text", "Case 17"}, {"rim_mm", 1.5}, {"edge_mm", 0.5}});
+  with_text.update({{"text", "Case 17"}, {"rim_mm", 1.7}, {"edge_mm", 0.5}});
   const json made = api().run(with_text);
   ASSERT_EQ(made["state"], "done") << made.dump(1);
   EXPECT_EQ(document("/splints/final", "Splint")["text"], "Case 17");

@@ -27,7 +27,7 @@ struct ArchBox {
 /// Around the crowns, in the frame of the head when the jaw is in occlusion.
 ArchBox box_of_crowns(const ParametricHead& head, bool is_upper) {
   constexpr double kMargin_mm = 7.0, kAbove_mm = 2.5;
-  ArchBox arch{{}, is_upper ? head.X_LH() : head.X_L_occlusion().inverse() * head.X_LH()};
+  ArchBox arch{{}, is_upper ? head.X_LH() : head.X_occlusion_L().inverse() * head.X_LH()};
   const RigidTransform X_HL = arch.X_LH.inverse();
   Box3 necks;
   for (const ToothForm& tooth : head.dentition().teeth()) {
@@ -116,7 +116,7 @@ geometry::TriangleMesh scanned_bite(const ParametricHead& head,
   const Vec3 up_L = head.X_LH().linear().col(2);
   geometry::TriangleMesh all = upper_L;
   const auto first = std::int32_t(upper_L.vertices.size());
-  for (const Vec3& p_L : lower_L.vertices) all.vertices.push_back(head.X_L_occlusion() * p_L);
+  for (const Vec3& p_L : lower_L.vertices) all.vertices.push_back(head.X_occlusion_L() * p_L);
   for (const geometry::Triangle& t : lower_L.triangles)
     all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   std::vector<std::uint8_t> keep(all.triangles.size(), 0);

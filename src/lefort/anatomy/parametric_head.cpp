@@ -205,22 +205,22 @@ ParametricHead::ParametricHead(const HeadShape& shape) : shape_(shape) {
   if (const double angle = shape.rotation_rad.norm(); angle > 0.0)
     X_LH_.linear() = Eigen::AngleAxisd(angle, shape.rotation_rad / angle).toRotationMatrix();
   X_HL_ = X_LH_.inverse();
-  X_body_ = X_opening_ = X_jaw_ = RigidTransform::Identity();
+  X_body_H_ = X_opening_H_ = X_jaw_H_ = RigidTransform::Identity();
   if (shape.dentition == 0) return;
   teeth_ = std::make_shared<Dentition>(shape.dentition);
-  X_opening_ = about(from_mean(kHinge), {shape.opening_rad, 0.0, 0.0});
-  X_body_ = Eigen::Translation3d(shape.jaw_offset_mm) *
-            about(from_mean(kLowerArch), shape.jaw_rotation_rad);
-  X_jaw_ = X_opening_ * X_body_;
+  X_opening_H_ = about(from_mean(kHinge), {shape.opening_rad, 0.0, 0.0});
+  X_body_H_ = Eigen::Translation3d(shape.jaw_offset_mm) *
+              about(from_mean(kLowerArch), shape.jaw_rotation_rad);
+  X_jaw_H_ = X_opening_H_ * X_body_H_;
 }
 
 Vec3 ParametricHead::in_jaw(const Vec3& p_H) const {
   if (!teeth_)
     return straightened(about_condyles(p_H.cwiseQuotient(shape_.scale), -shape_.opening_rad),
                         shape_);
-  const Vec3 q_H = X_opening_.inverse() * p_H;
+  const Vec3 q_H = X_opening_H_.inverse() * p_H;
   const double part = part_of_body(q_H.y() / shape_.scale.y());
-  const Vec3 moved_H = q_H + part * (X_body_.inverse() * q_H - q_H);
+  const Vec3 moved_H = q_H + part * (X_body_H_.inverse() * q_H - q_H);
   return straightened(moved_H.cwiseQuotient(shape_.scale), shape_);
 }
 
@@ -230,7 +230,7 @@ Vec3 ParametricHead::in_dentition(const Vec3& p_H) const {
 
 Vec3 ParametricHead::from_tooth_L(const ToothForm& tooth, const Vec3& p_M) const {
   const Vec3 closed_H = from_mean(p_M + in_plane(shape_.upper_incisors_mm));
-  return X_LH_ * (tooth.is_upper ? closed_H : Vec3(X_jaw_ * closed_H));
+  return X_LH_ * (tooth.is_upper ? closed_H : Vec3(X_jaw_H_ * closed_H));
 }
 
 double ParametricHead::skin(const Vec3& p_L) const {
@@ -300,7 +300,7 @@ ToothLevels ParametricHead::upper_teeth(const Vec3& p_L) const {
 }
 
 ToothLevels ParametricHead::lower_teeth(const Vec3& p_L) const {
-  return teeth_->lower(in_dentition(X_jaw_.inverse() * (X_HL_ * p_L)));
+  return teeth_->lower(in_dentition(X_jaw_H_.inverse() * (X_HL_ * p_L)));
 }
 
 double ParametricHead::pharynx(const Vec3& p_L) const {
@@ -312,8 +312,8 @@ double ParametricHead::pharynx(const Vec3& p_L) const {
 Vec3 ParametricHead::opened(const Vec3& mean) const {
   if (!teeth_) return about_condyles(mean, shape_.opening_rad);
   const Vec3 p_H = from_mean(mean);
-  const Vec3 moved_H = p_H + part_of_body(mean.y()) * (X_body_ * p_H - p_H);
-  return (X_opening_ * moved_H).cwiseQuotient(shape_.scale);
+  const Vec3 moved_H = p_H + part_of_body(mean.y()) * (X_body_H_ * p_H - p_H);
+  return (X_opening_H_ * moved_H).cwiseQuotient(shape_.scale);
 }
 
 HeadShape draw_head_shape(std::uint64_t seed) {

@@ -85,7 +85,7 @@ class ParametricHead {
   /// \param side  -1: right, 1: left.
   [[nodiscard]] std::vector<Vec3> canal_L(double side) const;
   /// Maps the lower teeth of the scan to occlusion.
-  [[nodiscard]] RigidTransform X_L_occlusion() const { return X_LH_ * X_jaw_.inverse() * X_HL_; }
+  [[nodiscard]] RigidTransform X_occlusion_L() const { return X_LH_ * X_jaw_H_.inverse() * X_HL_; }
   /// Maps a point of a tooth to the scan.
   [[nodiscard]] Vec3 from_tooth_L(const ToothForm& tooth, const Vec3& p_M) const;
 
@@ -99,7 +99,7 @@ class ParametricHead {
   HeadShape shape_;
   RigidTransform X_LH_, X_HL_;
   /// With teeth: the body of the mandible from occlusion, the opening, and both; in frame H.
-  RigidTransform X_body_, X_opening_, X_jaw_;
+  RigidTransform X_body_H_, X_opening_H_, X_jaw_H_;
   std::shared_ptr<const Dentition> teeth_;
 };
 

@@ -112,12 +112,15 @@ class ScannedHead {
 
 /// The teeth of a closed jaw near its occlusal surface.
 std::vector<Vec3> lower_crowns_L(const ParametricHead& head) {
-  constexpr double kStep_mm = 0.35, kLow_mm = -56.0, kHigh_mm = -46.0;
+  constexpr double kStep_mm = 0.35;
+  const Vec3 low(-34.0, -100.0, -56.0), high(34.0, -40.0, -46.0);
   std::vector<Vec3> points;
-  for (double z = kLow_mm; z < kHigh_mm; z += kStep_mm)
-    for (double y = -100.0; y < -40.0; y += kStep_mm)
-      for (double x = -34.0; x < 34.0; x += kStep_mm) {
-        const Vec3 p_L = head.X_LH() * head.from_mean(Vec3(x, y, z));
+  const auto steps = [&](Index axis) { return Index((high[axis] - low[axis]) / kStep_mm) + 1; };
+  for (Index k = 0; k < steps(2); ++k)
+    for (Index j = 0; j < steps(1); ++j)
+      for (Index i = 0; i < steps(0); ++i) {
+        const Vec3 p_L =
+            head.X_LH() * head.from_mean(low + kStep_mm * Vec3(double(i), double(j), double(k)));
         if (std::abs(head.lower_teeth(p_L).tooth) < kStep_mm) points.push_back(p_L);
       }
   return points;
@@ -144,7 +147,7 @@ double opening_with_clearance(const HeadShape& shape, double clearance_mm) {
   const auto is_clear = [&](double opening_rad) {
     HeadShape one = shape;
     one.opening_rad = opening_rad;
-    const RigidTransform X_L = ParametricHead(one).X_L_occlusion().inverse();
+    const RigidTransform X_L = ParametricHead(one).X_occlusion_L().inverse();
     return std::none_of(crowns_L.begin(), crowns_L.end(), [&](const Vec3& p_L) {
       return head.upper_teeth(X_L * p_L).tooth > -clearance_mm;
     });

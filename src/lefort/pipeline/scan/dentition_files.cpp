@@ -45,7 +45,7 @@ nlohmann::json truth_of(const anatomy::ParametricHead& head) {
   }
   return {{"lefort_phantom_truth", 1},
           {"frame", "LPS of the CT, mm"},
-          {"lower_to_occlusion_4x4_row_major_mm_lps", as_json(head.X_L_occlusion())},
+          {"lower_to_occlusion_4x4_row_major_mm_lps", as_json(head.X_occlusion_L())},
           {"opening_deg", degrees_from_radians(head.shape().opening_rad)},
           {"teeth", std::move(teeth)},
           {"canals_mm", std::move(canals)}};

@@ -186,7 +186,7 @@ Result<void> register_both(const BenchHead& one, int start, std::mt19937_64& bit
 Result<void> occlude(const BenchHead& one, int start, std::mt19937_64& bits, Figures& figures,
                      Progress& progress) {
   const dental::ArchAxes axes = axes_of(one.crowns[0]);
-  const RigidTransform closed = one.head.X_L_occlusion();
+  const RigidTransform closed = one.head.X_occlusion_L();
   Vec3 shift = drawn_vector(bits), turn = drawn_vector(bits);
   shift *= 5.0 / std::max(1.0, shift.norm());
   turn *= radians_from_degrees(8.0) / std::max(1.0, turn.norm());
@@ -212,7 +212,7 @@ Result<void> occlude(const BenchHead& one, int start, std::mt19937_64& bits, Fig
 
 Result<void> make_one_splint(const BenchHead& one, Figures& figures, Progress& progress) {
   const dental::ArchAxes axes = axes_of(one.crowns[0]);
-  RigidTransform X = one.head.X_L_occlusion();
+  RigidTransform X = one.head.X_occlusion_L();
   X.translation() -= 2.0 * axes.superior_L;
   LEFORT_TRY(const dental::Splint splint,
              dental::make_splint(one.arches_L[0], geometry::transformed(one.arches_L[1], X), axes,
