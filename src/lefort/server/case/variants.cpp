@@ -272,7 +272,7 @@ Result<void> keep_variant(const CaseFolder& folder, const std::string& name) {
   const fs::path prepared = folder.prepared_variant();
   std::error_code error;
   fs::remove_all(prepared, error);
-  if (const auto stored = store_variant(folder, prepared); !stored) {
+  if (auto stored = store_variant(folder, prepared); !stored) {
     fs::remove_all(prepared, error);
     return stored;
   }
@@ -298,7 +298,7 @@ Result<void> load_variant(CaseFolder& folder, const std::string& name) {
         fmt::format("the variant {} was made on another scan: import that scan to load it", name));
   const fs::path prepared = folder.prepared_variant();
   fs::remove_all(prepared, error);
-  const auto restored = [&]() -> Result<void> {
+  auto restored = [&]() -> Result<void> {
     for (const std::string& file : files_below(stored, stored))
       LEFORT_TRY_VOID(
           link_or_copy(stored / file, prepared / file, fs::path(file).has_parent_path()));
