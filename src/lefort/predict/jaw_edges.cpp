@@ -116,6 +116,7 @@ std::optional<JawEdges> find_jaw_edges(const anatomy::LabelMap& labels, const Ja
   if (upper.empty() || lower.empty()) return std::nullopt;
   const auto middle_of = [](const std::map<Index, double>& edges) {
     std::vector<double> z;
+    z.reserve(edges.size());
     for (const auto& [column, z_mm] : edges) z.push_back(z_mm);
     return median_of(z);
   };

@@ -33,7 +33,7 @@ int place_in_arch(int fdi) {
 Vec3 axis_of(const std::vector<Vec3>& all_L, const Vec3& mean_L, bool is_lower) {
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p_L : all_L) spread += (p_L - mean_L) * (p_L - mean_L).transpose();
-  const Vec3 occlusal_L = is_lower ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitZ());
+  Vec3 occlusal_L = is_lower ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitZ());
   const Vec3 axis_L = symmetric_eigen(spread).vectors.col(2);
   if (std::abs(axis_L.dot(occlusal_L)) < kUprightTooth) return occlusal_L;
   return axis_L.dot(occlusal_L) < 0.0 ? Vec3(-axis_L) : axis_L;

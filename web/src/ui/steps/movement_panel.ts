@@ -21,6 +21,7 @@ import { checkedFragments, describeFragment } from '../fragments';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 import { button, chip, empty, notice, section, segmented, select, toggle, type Html } from '../widgets';
 import type { Viewer } from '../viewer';
+import { jobWarnings } from './measure_parts';
 import { overlapNotice, previewState } from './preview_state';
 import { profileTargetSection } from './profile_section';
 
@@ -237,6 +238,7 @@ function checkSection(app: App, s: State): Html {
         : notice('good', 'The check has no findings')
       : nothing,
     fragmentList(s),
+    stage.state === 'fresh' ? jobWarnings(s, 'check') : nothing,
     job?.state === 'failed' ? notice('error', 'The check failed', job.message) : nothing,
     button(isBusy ? 'Checking …' : 'Check the plan', () => void app.run({ kind: 'check' }), {
       disabled: isBusy,
