@@ -103,7 +103,7 @@ struct SplintJob {
   /// Motions of the arches (.tfm) to the planned position; none unless given. The directions of
   /// `arches` move with the jaw they are of.
   std::optional<std::filesystem::path> upper_transform, lower_transform;
-  double open_mm = 0.0;  ///< The lower arch is moved to inferior before.
+  double open_mm = 0.0;           ///< The lower arch is moved to inferior before.
   dental::SplintOptions options;  ///< Its text is that of `text`.
   std::string text;               ///< Engraved into the front; 16 letters or fewer. May be empty.
   std::filesystem::path output;   ///< A folder; made if missing.
