@@ -239,6 +239,8 @@ class Template(Part):
     above_pogonion_mm: float = 6
     split_depth_mm: float = 5
     behind_molar_mm: float = 12
+    nerve: str | None = None
+    nerve_clearance_mm: float = 2
 
 
 @_described("segments/*/osteotomy")
