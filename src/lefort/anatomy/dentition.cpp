@@ -16,7 +16,7 @@ using implicit::cone;
 using implicit::join;
 
 /// Heights of the crown, lengths of the root, widths and depths, from the central incisor to the
-/// second molar \cite nelson2010. [mm]
+/// second molar, of \cite nelson2010 from memory; to be compared with the book. [mm]
 struct ToothSize {
   double crown, root, width, neck_width, depth, neck_depth;
 };

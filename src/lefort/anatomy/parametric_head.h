@@ -103,7 +103,8 @@ class ParametricHead {
   std::shared_ptr<const Dentition> teeth_;
 };
 
-/// The opening at which upper and lower teeth are so far apart, at least.
+/// The opening of the mandible [rad] at which the smallest distance of upper and lower teeth is
+/// `clearance_mm`.
 /// \param shape         with teeth; its opening is ignored.
 /// \param clearance_mm  before the scale.
 [[nodiscard]] double opening_with_clearance(const HeadShape& shape, double clearance_mm);

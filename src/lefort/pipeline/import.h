@@ -70,7 +70,7 @@ struct PhantomJob {
 /// Writes DICOM files of a synthetic head and its true labels; of a head with teeth also its true
 /// landmarks; of kDentition also intraoral scans and `truth.json` (scan/dentition_files.h).
 ///
-/// The teeth of kDentition are opened until they are 1 mm apart.
+/// The mandible of kDentition is opened until the distance of the teeth is 1 mm.
 ///
 /// \returns the summary; kFileUnwritable if `output`/dicom is not empty or a file cannot be
 ///   written; kInvalidArgument for a head with teeth that is not scanned as kPlain; or kCancelled.

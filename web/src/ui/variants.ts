@@ -75,7 +75,7 @@ export class Variants {
     }
   }
 
-  /** Asks before the current plan is replaced. */
+  /** Opens the dialog that confirms the replacement of the current plan. */
   askToLoad(variant: Schemas['Variant']): void {
     const { s } = this.planner.model;
     const isKept = s.variants.some((one) => one.is_current);
