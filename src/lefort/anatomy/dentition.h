@@ -46,11 +46,12 @@ struct ToothForm {
 
 /// The 28 teeth of an adult without third molars, in occlusion, class I.
 ///
-/// Widths, depths, crown heights and root lengths are the means of \cite nelson2010, from memory.
-/// Teeth of one arch touch at their contacts on an ellipse. The upper crowns, grown by 0.02 mm, are
-/// cut out of the lower ones, which reach up to half a millimeter into them: facets on which both arches touch
-/// by construction. Sections of crowns are superellipses; cusps are rounded cones; molars have two
-/// or three roots. There is no pulp and no periodontal ligament.
+/// Widths, depths, crown heights and root lengths are the means of \cite nelson2010, from
+/// memory. Teeth of one arch touch at their contacts on an ellipse. The upper crowns, grown by
+/// 0.02 mm, are cut out of the lower ones, which reach up to half a millimeter into them:
+/// facets on which both arches touch by construction. Sections of crowns are superellipses;
+/// cusps are rounded cones; molars have two or three roots. There is no pulp and no periodontal
+/// ligament.
 ///
 /// Frame M: that of the mean head (parametric_head.h), x to the patient's left, y to posterior, z
 /// to superior.
