@@ -301,10 +301,19 @@ TEST_F(MeasureCommands, plans_side_by_side) {
   expect_refused("plan variants " + first, 2, "folders");
   expect_refused("plan variants " + first + "'" + path("nowhere").string() + "'", 1, "check.json");
   fs::create_directories(path("plans") / "bad/check");
-  ASSERT_TRUE(io::write_text(path("plans") / "bad/check/check.json",
-                             "{\"lefort_plan_check\": 1, \"movements\": [3]}"));
-  expect_refused("plan variants " + first + "'" + (path("plans") / "bad").string() + "'", 1,
-                 "plans of different heads");
+  const auto expect_bad = [&](const nlohmann::json& check, const std::string& message) {
+    ASSERT_TRUE(io::write_text(path("plans") / "bad/check/check.json", check.dump()));
+    expect_refused("plan variants " + first + "'" + (path("plans") / "bad").string() + "'", 1,
+                   message);
+  };
+  std::ifstream file(path("plans") / "less/check/check.json");
+  nlohmann::json check = nlohmann::json::parse(file);
+  check["movements"] = {3};
+  expect_bad(check, "is damaged: check and predict the plan again");
+  check.erase("inputs");
+  expect_bad(check, "plans of different heads");
+  check["lefort_plan_check"] = 1;
+  expect_bad(check, "another version of lefort: check the plan again");
 }
 
 TEST_F(MeasureCommands, refuses_in_one_line) {
