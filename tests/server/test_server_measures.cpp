@@ -383,6 +383,7 @@ TEST_F(ServerMeasures, ScansThatAreNoneAreRefusedInOneLine) {
                               R"({"kind":"guides","hole_diameter_mm":0})",
                               R"({"kind":"guides","hole_distance_mm":"5"})",
                               R"({"kind":"cephalogram","norms":"child"})",
+                              R"({"kind":"landmarks","find":"/etc"})",
                               R"({"kind":"nerve","landmarks":"/etc"})"}) {
     const Response reply = api().call_api("POST", "/jobs", request);
     EXPECT_EQ(reply.status, 422) << request;
@@ -396,7 +397,8 @@ TEST_F(ServerMeasures, ResultsNeedAScan) {
   for (const json& request :
        {json{{"kind", "teeth"}}, json{{"kind", "arches"}}, json{{"kind", "occlusion"}},
         json{{"kind", "splint"}, {"splint", "final"}}, json{{"kind", "nerve"}},
-        json{{"kind", "guides"}}, json{{"kind", "airway"}}, json{{"kind", "cephalogram"}}}) {
+        json{{"kind", "guides"}}, json{{"kind", "airway"}}, json{{"kind", "cephalogram"}},
+        json{{"kind", "landmarks"}}}) {
     const json job = none.run(request);
     EXPECT_EQ(job["state"], "failed");
     EXPECT_EQ(job["message"], "the case has no scan: import one first") << request;
@@ -404,6 +406,31 @@ TEST_F(ServerMeasures, ResultsNeedAScan) {
   for (const char* path : {"/teeth", "/arches", "/occlusion", "/splints/final", "/nerve", "/guides",
                            "/airway", "/cephalogram"})
     EXPECT_EQ(none.call_api("GET", path).status, 404) << path;
+}
+
+TEST_F(ServerMeasures, LandmarksAreFoundAndThoseOfTheCaseStay) {
+  const std::string before = io::read_text(root() / "landmarks.mrk.json", 1 << 20).value();
+  const json job = api().run({{"kind", "landmarks"}});
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  EXPECT_EQ(io::read_text(root() / "landmarks.mrk.json", 1 << 20).value(), before);
+  EXPECT_EQ(stage("landmarks")["state"], "fresh");
+  const json& found = job["result"]["found"];
+  EXPECT_GT(found.size(), 8U) << job["result"].dump(1);
+  const json points = json::parse(api().call_api("GET", "/landmarks").text)["landmarks"];
+  int compared = 0;
+  for (const auto& [name, one] : found.items()) {
+    EXPECT_GT(one["uncertainty_mm"].get<double>(), 0.0) << name;
+    // Edges and cusps of this head's landmarks are those of the head without its teeth.
+    if (!points.contains(name) || name.starts_with("U") || name.starts_with("L")) continue;
+    ++compared;
+    double squares = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      squares += std::pow(one["point_mm"][axis].get<double>() - points[name][axis].get<double>(), 2);
+    EXPECT_LT(std::sqrt(squares), 6.0) << name;
+  }
+  EXPECT_GT(compared, 3);
+  for (const auto& [name, reason] : job["result"]["missing"].items())
+    EXPECT_FALSE(reason.get<std::string>().empty()) << name;
 }
 
 TEST_F(ServerMeasures, ACanalPassesThroughACorrectedPoint) {

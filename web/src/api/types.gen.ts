@@ -961,7 +961,7 @@ export interface components {
             bytes: number;
         };
         /** @enum {unknown} */
-        JobKind: "import" | "segment" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "guides" | "airway" | "cephalogram" | "variants";
+        JobKind: "import" | "segment" | "landmarks" | "cut" | "check" | "preview-factor" | "predict" | "compare" | "uncertainty" | "teeth" | "arches" | "occlusion" | "splint" | "nerve" | "guides" | "airway" | "cephalogram" | "variants";
         JobRequest: {
             /** @constant */
             kind: "variants";
@@ -984,6 +984,9 @@ export interface components {
             skin_hu?: number;
             /** @description Rebuild the surfaces from the current labels instead of segmenting the scan. */
             from_labels?: boolean;
+        } | {
+            /** @constant */
+            kind: "landmarks";
         } | {
             /** @constant */
             kind: "cut";

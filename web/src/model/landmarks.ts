@@ -73,6 +73,49 @@ export const withLandmark = (landmarks: readonly Landmark[], landmark: Landmark)
 export const withoutLandmark = (landmarks: readonly Landmark[], name: string): Landmark[] =>
   landmarks.filter((landmark) => landmark.name !== name);
 
+/** A landmark that was found, with its standard uncertainty. */
+export interface FoundLandmark extends Landmark {
+  uncertainty_mm: number;
+}
+
+/** What the job that finds landmarks has found, and why others are missing, by name. */
+export interface LandmarkSearch {
+  found: readonly FoundLandmark[];
+  missing: Readonly<Record<string, string>>;
+}
+
+/** From the result of the job; null without one. */
+export function landmarkSearch(result: unknown): LandmarkSearch | null {
+  const { found, missing } = (result ?? {}) as {
+    found?: Record<string, { point_mm: number[]; uncertainty_mm: number }>;
+    missing?: Record<string, string>;
+  };
+  if (!found) return null;
+  return {
+    found: Object.entries(found).map(([name, one]) => ({
+      name,
+      position_mm: toVec3(one.point_mm),
+      uncertainty_mm: one.uncertainty_mm,
+    })),
+    missing: missing ?? {},
+  };
+}
+
+/** Places what was found; landmarks that are placed already stay where they are. */
+export const withFound = (landmarks: readonly Landmark[], search: LandmarkSearch): Landmark[] => [
+  ...landmarks,
+  ...search.found
+    .filter(({ name }) => !placed(landmarks, name))
+    .map(({ name, position_mm }) => ({ name, position_mm })),
+];
+
+/** The standard uncertainty of a landmark that is where it was found; null of another one. */
+export function uncertaintyOf(landmark: Landmark, search: LandmarkSearch | null): number | null {
+  const found = search?.found.find(({ name }) => name === landmark.name);
+  const isThere = found?.position_mm.every((value, axis) => value === landmark.position_mm[axis]);
+  return found && isThere ? found.uncertainty_mm : null;
+}
+
 /** The next landmark of the catalog to place after `name`, skipping those placed. */
 export function nextToPlace(landmarks: readonly Landmark[], name: string | null): string | null {
   const start = name === null ? 0 : CATALOG.findIndex((kind) => kind.name === name) + 1;

@@ -4,6 +4,7 @@ import type { Planner } from './planner_context';
 export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   import: 'Reading the scan',
   segment: 'Segmenting tissues',
+  landmarks: 'Finding landmarks',
   cut: 'Cutting the bone',
   check: 'Checking the plan',
   'preview-factor': 'Preparing the preview',
@@ -20,6 +21,9 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   cephalogram: 'Computing the cephalogram',
   variants: 'Putting variants side by side',
 };
+
+/** Jobs that do not read the plan. */
+const WITHOUT_PLAN: ReadonlySet<Schemas['JobKind']> = new Set(['import', 'segment', 'landmarks'] as const);
 
 /** Lines of output that are kept of each job. */
 const MAX_LINES = 200;
@@ -44,7 +48,7 @@ export class JobTracker {
     const { planner } = this;
     await planner.attempt(async () => {
       const isSaved = await this.save();
-      const needsPlan = request.kind !== 'import' && request.kind !== 'segment';
+      const needsPlan = !WITHOUT_PLAN.has(request.kind);
       if (!isSaved && needsPlan && planner.model.doc.plan.segments.length > 0)
         throw new Error(planner.model.s.saveError ?? 'The plan could not be saved. The job was not started.');
       const job = await planner.client.startJob(request);

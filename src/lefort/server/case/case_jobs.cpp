@@ -104,6 +104,20 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   return reported(summary);
 }
 
+/// Finds landmarks and returns them; the file of the case is changed by pages only, where a user
+/// sees what is placed and can undo it.
+Result<JobOutcome> landmarks_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  const CaseFolder& folder = context.folder;
+  LEFORT_TRY_VOID(check_scan(folder));
+  pipeline::LandmarksJob landmarks;
+  landmarks.find = folder.ct();
+  landmarks.labels = labels_of_scan(folder);
+  LEFORT_TRY(const pipeline::Summary summary, pipeline::measure_landmarks(landmarks, progress));
+  const json& search = summary.json["search"];
+  return JobOutcome{fmt::format("{} landmarks found", search["found"].size()),
+                    {{"found", search["found"]}, {"missing", search["missing"]}}};
+}
+
 /// Runs `work` and stores the fingerprints of its inputs. The documents of earlier results are
 /// removed first: `work` can fail before it removes them, and they would be taken for new ones.
 template <class Work>
@@ -304,6 +318,7 @@ struct Kind {
 
 constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"segment", "anatomy", segment_job},
+                           {"landmarks", "landmarks", landmarks_job},
                            {"cut", "cut", cut_job},
                            {"check", "check", check_job},
                            {"preview-factor", "preview", preview_job},

@@ -1,8 +1,20 @@
 import { html, nothing } from 'lit-html';
-import { CATALOG, fixed, kindOf, placed, withoutLandmark, type LandmarkKind } from '../../model';
+import {
+  CATALOG,
+  fixed,
+  kindOf,
+  landmarkSearch,
+  placed,
+  uncertaintyOf,
+  withFound,
+  withoutLandmark,
+  type LandmarkKind,
+  type LandmarkSearch,
+} from '../../model';
 import type { App } from '../app';
 import { button, empty, hint, iconButton, notice, section, type Html } from '../widgets';
-import { stageOf, type State } from '../state';
+import { lastJob, stageOf, type State } from '../state';
+import { jobControl, jobWarnings } from './measure_parts';
 
 export function landmarkPanel(app: App, s: State): Html {
   const { landmarks } = app.model.doc;
@@ -13,11 +25,12 @@ export function landmarkPanel(app: App, s: State): Html {
         'Open one in step 1, Case.',
         button('To the case', () => app.setStep('case')),
       )}`;
-  const row = (kind: LandmarkKind): Html => landmarkRow(app, s, kind);
+  const search = landmarkSearch(lastJob(s, 'landmarks')?.result);
+  const row = (kind: LandmarkKind): Html => landmarkRow(app, s, kind, search);
   const others = landmarks.filter((l) => !kindOf(l.name));
   return html`
     <h2>Landmarks <span class="chip">${landmarks.length} placed</span></h2>
-    ${notices(s)}
+    ${notices(s)} ${findSection(app, s, search)}
     ${section('On bone and teeth', html`<div class="list">${CATALOG.filter((k) => k.on === 'bone').map(row)}</div>`)}
     ${section('On the skin', html`<div class="list">${CATALOG.filter((k) => k.on === 'skin').map(row)}</div>`)}
     ${others.length
@@ -44,7 +57,34 @@ function notices(s: State): Html {
   ${s.measurementError ? notice('error', 'These landmarks are inconsistent', s.measurementError) : nothing}`;
 }
 
-function landmarkRow(app: App, s: State, kind: LandmarkKind): Html {
+/** Finds landmarks in the scan. Those that are placed stay. */
+function findSection(app: App, s: State, search: LandmarkSearch | null): Html {
+  const { landmarks } = app.model.doc;
+  const place = (): void => {
+    const found = landmarkSearch(lastJob(app.model.s, 'landmarks')?.result);
+    if (found) app.edit({ landmarks: withFound(app.model.doc.landmarks, found) });
+  };
+  const missing = Object.entries(search?.missing ?? {}).filter(([name]) => !placed(landmarks, name));
+  return section(
+    'Find',
+    hint('Finds landmarks on bone, teeth and skin. Those that are placed stay. Check each point on the slices.'),
+    jobControl(app, s, {
+      kind: 'landmarks',
+      start: 'Find the landmarks',
+      run: () => void app.run({ kind: 'landmarks' }, place),
+      isFresh: landmarks.length > 0,
+    }),
+    jobWarnings(s, 'landmarks'),
+    missing.length === 0
+      ? nothing
+      : html`<details data-id="landmarks-missing">
+          <summary>${missing.length} not found</summary>
+          <div>${missing.map(([name, reason]) => html`<p>${name}: ${reason}</p>`)}</div>
+        </details>`,
+  );
+}
+
+function landmarkRow(app: App, s: State, kind: LandmarkKind, search: LandmarkSearch | null): Html {
   const { landmarks } = app.model.doc;
   const there = placed(landmarks, kind.name);
   const isSelected = s.landmark === kind.name;
@@ -57,6 +97,7 @@ function landmarkRow(app: App, s: State, kind: LandmarkKind): Html {
     });
   };
   const remove = (): void => app.edit({ landmarks: withoutLandmark(landmarks, kind.name) });
+  const uncertainty_mm = there ? uncertaintyOf(there, search) : null;
   return html` <div class="list-row ${isSelected ? 'selected' : ''} ${there ? '' : 'unplaced'}">
     <span></span>
     <button
@@ -67,6 +108,11 @@ function landmarkRow(app: App, s: State, kind: LandmarkKind): Html {
       @click=${select}
     >
       <b>${kind.name}</b><span>${kind.full}</span>
+      ${uncertainty_mm === null
+        ? nothing
+        : html`<span class="aside" title="Found, with its standard uncertainty"
+            >± ${fixed(uncertainty_mm, 1)} mm</span
+          >`}
     </button>
     ${there ? iconButton('trash', `Remove ${kind.full}`, remove) : nothing}
   </div>`;
