@@ -5,7 +5,7 @@ import { copyFileSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { accessible } from './accessible.mjs';
 import { check, freshFolder, lefort, openPage, runTests, serve, test } from './harness.mjs';
-import { handleWhere, id, idle, settled, step } from './planner.mjs';
+import { handleWhere, id, idle, saved, settled, step } from './planner.mjs';
 import { api } from './small_case.mjs';
 
 const args = process.argv.slice(2);
@@ -246,6 +246,29 @@ test('a sagittal split keeps the canals free', () =>
     await page.waitForSelector(id('canals-0'));
     check('the distance is that of the program', (await page.inputValue(id('canals-0'))) === '2.0');
     await accessible(page, 'a split that keeps the canals');
+  }));
+
+test('landmarks are found; those that are placed stay', () =>
+  withMeasures('cephalogram', async (page) => {
+    await step(page, 'landmarks');
+    const count = async () => Number((await page.locator('h2 .chip').innerText()).split(' ')[0]);
+    const row = (name) => page.locator('.list-row', { has: page.locator(id(`landmark-${name}`)) });
+    const all = await count();
+    await page.getByRole('button', { name: 'Remove menton', exact: true }).click();
+    check('menton is removed', (await count()) === all - 1);
+    await saved(page);
+    await runJob(page, 'landmarks');
+    await page.waitForFunction(([sel]) => document.querySelector(sel)?.textContent.includes('±'), [id('landmark-Me')]);
+    check(`it is found: ${await row('Me').innerText()}`, /± \d\.\d mm/.test(await row('Me').innerText()));
+    check('the others stay as they were', !(await row('Pg').innerText()).includes('±'));
+    check('nothing that is placed is listed as missing', (await page.locator(id('landmarks-missing')).count()) === 0);
+    await page.screenshot({ path: `${output}/landmarks-found.png` });
+    await accessible(page, 'landmarks that were found');
+    await page.keyboard.press('Control+z');
+    check('one undo removes what was placed', (await count()) === all - 1);
+    await page.keyboard.press('Control+z');
+    check('the next one restores menton', (await count()) === all);
+    await saved(page);
   }));
 
 const ok = await runTests({ all: false, only });
