@@ -41,12 +41,12 @@ struct Stage {
   double width_mm = 0.0;
   double penalty = 1.0;
   int iterations = 0;
-  bool tilts = true;  ///< Whether the arch may rotate out of the occlusal plane.
+  bool slides = true;  ///< Whether the arch may move in the occlusal plane; otherwise it settles.
   /// Cost of the squared displacement from the start [mm^2], per area: a piece with few contacts
   /// would tilt (Tikhonov).
   double displacement = 0.0;
 };
-constexpr std::array<Stage, 2> kFirst{{{6.0, 1.0, 15, false}, {4.0, 1.0, 10, false}}};
+constexpr std::array<Stage, 2> kSettle{{{6.0, 10.0, 10, false}, {2.0, 25.0, 10, false}}};
 constexpr std::array<Stage, 3> kCoarse{{{2.0, 1.0, 10}, {1.0, 4.0, 10}, {0.5, 10.0, 15}}};
 constexpr std::array<Stage, 2> kFine{{{0.25, 40.0, 20}, {0.15, 300.0, 30}}};
 constexpr double kPrior = 0.02;
@@ -189,8 +189,8 @@ struct GapSums {
 struct SumAt {
   const Stage* stage;
   RigidTransform X, back;
-  Vec3 center;     ///< Of the rotation.
-  Mat3 rotations;  ///< Projection onto the rotations that are free.
+  Vec3 center;                ///< Of the rotation.
+  Mat3 rotations, movements;  ///< Projections onto the rotations and translations that are free.
 };
 
 /// The part of one point. Area that faces nothing costs what a wide gap costs, so that an arch does
@@ -205,7 +205,7 @@ GapSums sum_of(const SumAt& at, double mm2, const std::optional<FacedGap>& faced
   }
   const GapCost cost = cost_of(faced->gap_mm, *at.stage);
   Vec6 row;
-  row << at.rotations * (moved - at.center).cross(direction) / kArch_mm, direction;
+  row << at.rotations * (moved - at.center).cross(direction) / kArch_mm, at.movements * direction;
   one.matrix = mm2 * cost.weight * row * row.transpose();
   one.vector = mm2 * cost.weight * faced->gap_mm * row;
   one.cost = mm2 * cost.cost;
@@ -217,7 +217,7 @@ GapSums sum_of(const SumAt& at, double mm2, const std::optional<FacedGap>& faced
 void add_distance(const SumAt& at, const Vec3& p, const Vec3& direction, double off_mm,
                   double weight, GapSums& sums) {
   Vec6 row;
-  row << at.rotations * (p - at.center).cross(direction) / kArch_mm, direction;
+  row << at.rotations * (p - at.center).cross(direction) / kArch_mm, at.movements * direction;
   sums.matrix += weight * row * row.transpose();
   sums.vector += weight * off_mm * row;
   sums.cost += weight * off_mm * off_mm;
@@ -237,8 +237,13 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
   const auto& from_lower = arches.lower.points(exact);
   const auto& from_upper = arches.upper.points(exact);
   const Vec3& up = arches.axes.superior_L;
-  const SumAt at{&stage, X, X.inverse(), X * arches.center_of_lower,
-                 stage.tilts ? Mat3(Mat3::Identity()) : Mat3(up * up.transpose())};
+  const Mat3 all = Mat3::Identity(), upward = up * up.transpose();
+  const SumAt at{&stage,
+                 X,
+                 X.inverse(),
+                 X * arches.center_of_lower,
+                 stage.slides ? all : Mat3(all - upward),
+                 stage.slides ? all : upward};
   const auto count = Index(from_lower.size());
   GapSums sums = deterministic_sum(count + Index(from_upper.size()), GapSums{}, [&](Index i) {
     if (i < count) {
@@ -343,33 +348,31 @@ std::vector<RigidTransform> starts_of(const SearchedArches& arches,
   return starts;
 }
 
-/// Ends of the first stages, each once, within reach.
-Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches,
-                                               const std::vector<RigidTransform>& starts,
-                                               Progress& progress) {
-  constexpr double kSame_mm = 0.5;
-  const ArchAxes& axes = arches.axes;
-  const Vec3& center = arches.center_of_lower;
-  std::vector<RigidTransform> ends;
-  for (std::size_t n = 0; n < starts.size(); ++n) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
-    progress.report(0.5 * double(n) / double(starts.size()));
-    const auto end = minimize(arches, false, starts[n], kFirst);
-    if (!end || distance_between(*end, RigidTransform::Identity(), center, axes) > kMaxMovement_mm)
-      continue;
-    if (std::none_of(ends.begin(), ends.end(), [&](const RigidTransform& other) {
-          return distance_between(*end, other, center, axes) < kSame_mm;
-        }))
-      ends.push_back(*end);
-  }
-  return ends;
-}
-
 /// An end of the search.
 struct SearchEnd {
   RigidTransform X = RigidTransform::Identity();
   double cost = 0.0;
 };
+
+/// The starts, settled on the upper teeth, with the lowest costs. Without the penalty of penetration
+/// the arches would sink into each other, and lose their place.
+Result<std::vector<SearchEnd>> settled_starts(const SearchedArches& arches,
+                                              const OcclusionOptions& options, Progress& progress) {
+  constexpr std::size_t kKept = 16;
+  const std::vector<RigidTransform> starts = starts_of(arches, options);
+  std::vector<SearchEnd> settled;
+  for (std::size_t n = 0; n < starts.size(); ++n) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
+    progress.report(0.5 * double(n) / double(starts.size()));
+    if (const auto end = minimize(arches, false, starts[n], kSettle))
+      settled.push_back(
+          {*end, sum_gaps(arches, false, *end, kSettle.back(), requests_at(arches, *end)).cost});
+  }
+  std::stable_sort(settled.begin(), settled.end(),
+                   [](const SearchEnd& a, const SearchEnd& b) { return a.cost < b.cost; });
+  if (settled.size() > kKept) settled.resize(kKept);
+  return settled;
+}
 
 /// The ends of the coarse search with the lowest costs, the lowest one first.
 Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches,
@@ -378,13 +381,12 @@ Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches,
   constexpr double kSame_mm = 0.2;
   constexpr std::size_t kRefined = 4;
   const Vec3& center = arches.center_of_lower;
-  LEFORT_TRY(const std::vector<RigidTransform> firsts,
-             first_ends(arches, starts_of(arches, options), progress));
+  LEFORT_TRY(const std::vector<SearchEnd> firsts, settled_starts(arches, options, progress));
   std::vector<SearchEnd> ends, kept;
   for (std::size_t n = 0; n < firsts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(0.5 + 0.5 * double(n) / double(firsts.size()));
-    const auto end = minimize(arches, false, firsts[n], kCoarse);
+    const auto end = minimize(arches, false, firsts[n].X, kCoarse);
     if (end && distance_between(*end, RigidTransform::Identity(), center, axes) <= kMaxMovement_mm)
       ends.push_back({*end, compared_cost(arches, false, *end)});
   }

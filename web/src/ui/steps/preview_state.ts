@@ -19,7 +19,7 @@ export function overlapNotice(s: State): Html {
     return notice(
       'error',
       'Bones overlap deeply',
-      html`The overlap exceeds the range that is measured. This movement is not possible.${rate}`,
+      html`The overlap is deeper than what is measured. Change the movement, or remove this bone.${rate}`,
     );
   if (deepest_mm > OVERLAP_LIMIT_MM)
     return notice(
