@@ -46,8 +46,11 @@ struct Stage {
   /// would tilt (Tikhonov).
   double displacement = 0.0;
 };
-constexpr std::array<Stage, 2> kSettle{{{6.0, 10.0, 10, false}, {2.0, 25.0, 10, false}}};
-constexpr std::array<Stage, 3> kCoarse{{{2.0, 1.0, 10}, {1.0, 4.0, 10}, {0.5, 10.0, 15}}};
+/// The lower arch settles on the upper teeth, then slides into them. Without the penalty of
+/// penetration it would sink into them, and lose its place.
+constexpr std::array<Stage, 3> kFirst{
+    {{6.0, 10.0, 10, false}, {2.0, 25.0, 10, false}, {2.0, 1.0, 10}}};
+constexpr std::array<Stage, 2> kCoarse{{{1.0, 4.0, 10}, {0.5, 10.0, 15}}};
 constexpr std::array<Stage, 2> kFine{{{0.25, 40.0, 20}, {0.15, 300.0, 30}}};
 constexpr double kPrior = 0.02;
 /// For a piece that is close: from the gaps of its displacement.
@@ -348,31 +351,32 @@ std::vector<RigidTransform> starts_of(const SearchedArches& arches,
   return starts;
 }
 
+/// Ends of the first stages, each once.
+Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches,
+                                               const std::vector<RigidTransform>& starts,
+                                               Progress& progress) {
+  constexpr double kSame_mm = 0.5;
+  const ArchAxes& axes = arches.axes;
+  const Vec3& center = arches.center_of_lower;
+  std::vector<RigidTransform> ends;
+  for (std::size_t n = 0; n < starts.size(); ++n) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
+    progress.report(0.5 * double(n) / double(starts.size()));
+    const auto end = minimize(arches, false, starts[n], kFirst);
+    if (!end) continue;
+    if (std::none_of(ends.begin(), ends.end(), [&](const RigidTransform& other) {
+          return distance_between(*end, other, center, axes) < kSame_mm;
+        }))
+      ends.push_back(*end);
+  }
+  return ends;
+}
+
 /// An end of the search.
 struct SearchEnd {
   RigidTransform X = RigidTransform::Identity();
   double cost = 0.0;
 };
-
-/// The starts, settled on the upper teeth, with the lowest costs. Without the penalty of penetration
-/// the arches would sink into each other, and lose their place.
-Result<std::vector<SearchEnd>> settled_starts(const SearchedArches& arches,
-                                              const OcclusionOptions& options, Progress& progress) {
-  constexpr std::size_t kKept = 16;
-  const std::vector<RigidTransform> starts = starts_of(arches, options);
-  std::vector<SearchEnd> settled;
-  for (std::size_t n = 0; n < starts.size(); ++n) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
-    progress.report(0.5 * double(n) / double(starts.size()));
-    if (const auto end = minimize(arches, false, starts[n], kSettle))
-      settled.push_back(
-          {*end, sum_gaps(arches, false, *end, kSettle.back(), requests_at(arches, *end)).cost});
-  }
-  std::stable_sort(settled.begin(), settled.end(),
-                   [](const SearchEnd& a, const SearchEnd& b) { return a.cost < b.cost; });
-  if (settled.size() > kKept) settled.resize(kKept);
-  return settled;
-}
 
 /// The ends of the coarse search with the lowest costs, the lowest one first.
 Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches,
@@ -381,12 +385,13 @@ Result<std::vector<SearchEnd>> coarse_ends(const SearchedArches& arches,
   constexpr double kSame_mm = 0.2;
   constexpr std::size_t kRefined = 4;
   const Vec3& center = arches.center_of_lower;
-  LEFORT_TRY(const std::vector<SearchEnd> firsts, settled_starts(arches, options, progress));
+  LEFORT_TRY(const std::vector<RigidTransform> firsts,
+             first_ends(arches, starts_of(arches, options), progress));
   std::vector<SearchEnd> ends, kept;
   for (std::size_t n = 0; n < firsts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(0.5 + 0.5 * double(n) / double(firsts.size()));
-    const auto end = minimize(arches, false, firsts[n].X, kCoarse);
+    const auto end = minimize(arches, false, firsts[n], kCoarse);
     if (end && distance_between(*end, RigidTransform::Identity(), center, axes) <= kMaxMovement_mm)
       ends.push_back({*end, compared_cost(arches, false, *end)});
   }

@@ -39,8 +39,7 @@ inline constexpr double kMaxRequest_mm = 10.0;  ///< Of a requested overjet, ove
 /// \cite deng2020).
 ///
 /// From starts on a grid around the given position the lower arch settles: it rises and tilts until
-/// it lies on the upper teeth. From the 16 best of these the distances between facing surfaces are
-/// minimized, from both arches, with weights of Geman and McClure that become narrower and a
+/// it lies on the upper teeth. Then the distances between facing surfaces are minimized, from both arches, with weights of Geman and McClure that become narrower and a
 /// penalty of penetration that grows (\cite blake1987): damped Gauss-Newton steps of six unknowns,
 /// on GapGrid. Of the ends within 12 mm, the best four are refined with exact gaps, and the one
 /// with the lowest cost is taken.
