@@ -46,8 +46,7 @@ struct Stage {
   /// would tilt (Tikhonov).
   double displacement = 0.0;
 };
-/// The lower arch settles on the upper teeth, then slides into them. Without the penalty of
-/// penetration it would sink into them, and lose its place.
+/// The lower arch settles on the upper teeth, then slides. Without penalty it would sink into them.
 constexpr std::array<Stage, 3> kFirst{
     {{6.0, 10.0, 10, false}, {2.0, 25.0, 10, false}, {2.0, 1.0, 10}}};
 constexpr std::array<Stage, 2> kCoarse{{{1.0, 4.0, 10}, {0.5, 10.0, 15}}};
@@ -192,8 +191,9 @@ struct GapSums {
 struct SumAt {
   const Stage* stage;
   RigidTransform X, back;
-  Vec3 center;                ///< Of the rotation.
-  Mat3 rotations, movements;  ///< Projections onto the rotations and translations that are free.
+  Vec3 center;  ///< Of the rotation.
+  /// Projections onto the rotations and translations that are free.
+  Mat3 rotations = Mat3::Identity(), movements = Mat3::Identity();
 };
 
 /// The part of one point. Area that faces nothing costs what a wide gap costs, so that an arch does
@@ -239,14 +239,11 @@ GapSums sum_gaps(const SearchedArches& arches, bool exact, const RigidTransform&
                  const Stage& stage, const std::vector<Request>& requests) {
   const auto& from_lower = arches.lower.points(exact);
   const auto& from_upper = arches.upper.points(exact);
-  const Vec3& up = arches.axes.superior_L;
-  const Mat3 all = Mat3::Identity(), upward = up * up.transpose();
-  const SumAt at{&stage,
-                 X,
-                 X.inverse(),
-                 X * arches.center_of_lower,
-                 stage.slides ? all : Mat3(all - upward),
-                 stage.slides ? all : upward};
+  SumAt at{&stage, X, X.inverse(), X * arches.center_of_lower};
+  if (!stage.slides) {
+    at.movements = arches.axes.superior_L * arches.axes.superior_L.transpose();
+    at.rotations -= at.movements;
+  }
   const auto count = Index(from_lower.size());
   GapSums sums = deterministic_sum(count + Index(from_upper.size()), GapSums{}, [&](Index i) {
     if (i < count) {
@@ -356,16 +353,14 @@ Result<std::vector<RigidTransform>> first_ends(const SearchedArches& arches,
                                                const std::vector<RigidTransform>& starts,
                                                Progress& progress) {
   constexpr double kSame_mm = 0.5;
-  const ArchAxes& axes = arches.axes;
   const Vec3& center = arches.center_of_lower;
   std::vector<RigidTransform> ends;
   for (std::size_t n = 0; n < starts.size(); ++n) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the search was cancelled");
     progress.report(0.5 * double(n) / double(starts.size()));
     const auto end = minimize(arches, false, starts[n], kFirst);
-    if (!end) continue;
-    if (std::none_of(ends.begin(), ends.end(), [&](const RigidTransform& other) {
-          return distance_between(*end, other, center, axes) < kSame_mm;
+    if (end && std::none_of(ends.begin(), ends.end(), [&](const RigidTransform& other) {
+          return distance_between(*end, other, center, arches.axes) < kSame_mm;
         }))
       ends.push_back(*end);
   }

@@ -39,10 +39,11 @@ inline constexpr double kMaxRequest_mm = 10.0;  ///< Of a requested overjet, ove
 /// \cite deng2020).
 ///
 /// From starts on a grid around the given position the lower arch settles: it rises and tilts until
-/// it lies on the upper teeth. Then the distances between facing surfaces are minimized, from both arches, with weights of Geman and McClure that become narrower and a
-/// penalty of penetration that grows (\cite blake1987): damped Gauss-Newton steps of six unknowns,
-/// on GapGrid. Of the ends within 12 mm, the best four are refined with exact gaps, and the one
-/// with the lowest cost is taken.
+/// it lies on the upper teeth. Then the distances between facing surfaces are minimized, from both
+/// arches, with weights of Geman and McClure that become narrower and a penalty of penetration that
+/// grows (\cite blake1987): damped Gauss-Newton steps of six unknowns, on GapGrid. Of the ends
+/// within 12 mm, the best four are refined with exact gaps, and the one with the lowest cost is
+/// taken.
 ///
 /// Requests are added to the cost as squared differences [mm^2] times the area of the lower arch:
 /// in the last stage a difference of 0.15 mm costs as much as all contacts. The starts are shifted
