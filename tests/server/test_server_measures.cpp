@@ -425,7 +425,8 @@ TEST_F(ServerMeasures, LandmarksAreFoundAndThoseOfTheCaseStay) {
     ++compared;
     double squares = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      squares += std::pow(one["point_mm"][axis].get<double>() - points[name][axis].get<double>(), 2);
+      squares +=
+          std::pow(one["point_mm"][axis].get<double>() - points[name][axis].get<double>(), 2);
     EXPECT_LT(std::sqrt(squares), 6.0) << name;
   }
   EXPECT_GT(compared, 3);
