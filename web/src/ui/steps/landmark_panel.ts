@@ -25,7 +25,7 @@ export function landmarkPanel(app: App, s: State): Html {
         'Open one in step 1, Case.',
         button('To the case', () => app.setStep('case')),
       )}`;
-  const search = landmarkSearch(lastJob(s, 'landmarks')?.result);
+  const search = searchOfScan(s);
   const row = (kind: LandmarkKind): Html => landmarkRow(app, s, kind, search);
   const others = landmarks.filter((l) => !kindOf(l.name));
   return html`
@@ -41,6 +41,13 @@ export function landmarkPanel(app: App, s: State): Html {
       : nothing}
     ${cephalometrySection(s)}
   `;
+}
+
+/** What the last job has found, unless a scan was opened since. */
+function searchOfScan(s: State): LandmarkSearch | null {
+  const job = lastJob(s, 'landmarks');
+  const opened = lastJob(s, 'import');
+  return job && job.id > (opened?.id ?? 0) ? landmarkSearch(job.result) : null;
 }
 
 function notices(s: State): Html {
@@ -61,7 +68,7 @@ function notices(s: State): Html {
 function findSection(app: App, s: State, search: LandmarkSearch | null): Html {
   const { landmarks } = app.model.doc;
   const place = (): void => {
-    const found = landmarkSearch(lastJob(app.model.s, 'landmarks')?.result);
+    const found = searchOfScan(app.model.s);
     if (found) app.edit({ landmarks: withFound(app.model.doc.landmarks, found) });
   };
   const missing = Object.entries(search?.missing ?? {}).filter(([name]) => !placed(landmarks, name));
