@@ -1,7 +1,8 @@
 // The path of a surgeon with two jaws in a browser, from DICOM files and intraoral scans to files for a printer and the
 // predicted face: docs/guide/surgeon.md. Nothing is typed but lengths.
 // node e2e/two_jaws.mjs FOLDER [--predict] [-- OPTIONS]
-//   FOLDER   pictures and downloads; the head and the case are put there, too
+//   FOLDER   pictures and downloads; the head and the case are put there, too. A head that is there is not made again:
+//            FOLDER/head has dicom/ or ct.nrrd, and the scans upper_scan.stl, lower_scan.stl and bite_scan.stl
 //   OPTIONS  of `lefort phantom --head dentition`: default --retrusion 5 --deviation 2
 // LEFORT names the program.
 import { execFileSync } from 'node:child_process';
@@ -69,7 +70,8 @@ async function download(name) {
 }
 
 async function anatomy() {
-  await choose('text=Choose a folder', join(head, 'dicom'));
+  if (existsSync(join(head, 'dicom'))) await choose('text=Choose a folder', join(head, 'dicom'));
+  else await choose('text=Choose files', join(head, 'ct.nrrd'));
   await dot(page, 'case', 'fresh');
   await done('01-scan');
   await step(page, 'anatomy');
