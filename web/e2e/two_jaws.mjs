@@ -166,7 +166,8 @@ async function print() {
 }
 
 async function measures(words) {
-  for (const name of ['cephalogram', 'airway']) {
+  // A CT that is made from labels has no airway.
+  for (const name of existsSync(join(head, 'dicom')) ? ['cephalogram', 'airway'] : ['cephalogram']) {
     await measure(name);
     await runJob(name);
     await done(`${words}-${name}`);
