@@ -15,7 +15,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -137,8 +136,7 @@ std::vector<RigidTransform> alignments_near(const RigidTransform& X, const Crown
 /// \returns the ends from all starts, the closest first.
 std::vector<Alignment> search(const Crowns& crowns, const Bvh& scan,
                               const std::vector<RigidTransform>& starts) {
-  return align_coarsely(points_with_normals(crowns.surface_L, 300), scan, crowns.center_L, starts,
-                        {.quantile = kMinFraction});
+  return align_coarsely(points_with_normals(crowns.surface_L, 300), scan, crowns.center_L, starts);
 }
 
 TriangleMesh reversed(TriangleMesh mesh) {
@@ -150,6 +148,20 @@ TriangleMesh reversed(TriangleMesh mesh) {
 TriangleMesh mirrored(TriangleMesh mesh) {
   for (Vec3& p : mesh.vertices) p.x() = -p.x();
   return reversed(std::move(mesh));
+}
+
+Result<compare::Registration> fit(const Crowns& crowns, const TriangleMesh& mesh, const Bvh& scan,
+                                  Progress& progress) {
+  constexpr std::size_t kCandidates = 2;
+  std::vector<Alignment> ends = search(crowns, scan, alignments(crowns, mesh));
+  std::vector<RigidTransform> near;
+  for (std::size_t n = 0; n < std::min(kCandidates, ends.size()); ++n)
+    for (const RigidTransform& X : alignments_near(ends[n].X, crowns)) near.push_back(X);
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the registration was cancelled");
+  const std::array<RigidTransform, 1> best{search(crowns, scan, near).front().X};
+  return compare::register_surface(crowns.surface_L, scan, best,
+                                   {.max_points = 8000, .max_median_mm = kMaxRms_mm}, progress);
 }
 
 /// Signed distance of each vertex of the crowns, NaN without a counterpart.
@@ -169,55 +181,6 @@ std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const Ri
     distances[std::size_t(v)] = there.dot(offset);
   });
   return distances;
-}
-
-/// Vertices of the crowns where the scan is missing: the closest point is on its border, and far.
-std::vector<std::uint8_t> beyond_scan(const TriangleMesh& crowns, const Bvh& scan,
-                                      const RigidTransform& X) {
-  std::vector<std::uint8_t> is_beyond(crowns.vertices.size(), 0);
-  parallel_for(crowns.vertex_count(), [&](Index v) {
-    const Vec3 p = X * crowns.vertices[std::size_t(v)];
-    const auto nearest = scan.closest_point(p);
-    if (!nearest) return;
-    const Vec3 there =
-        scan.pseudonormals().at(scan.mesh(), nearest->triangle, nearest->feature).normalized();
-    is_beyond[std::size_t(v)] =
-        nearest->distance_mm > kCounterpart_mm && is_beyond_border(p - nearest->point, there);
-  });
-  return is_beyond;
-}
-
-/// The crowns without the triangles where the scan is missing.
-TriangleMesh within_scan(TriangleMesh crowns, const Bvh& scan, const RigidTransform& X) {
-  const std::vector<std::uint8_t> is_beyond = beyond_scan(crowns, scan, X);
-  std::erase_if(crowns.triangles, [&](const geometry::Triangle& triangle) {
-    return std::any_of(triangle.begin(), triangle.end(),
-                       [&](std::int32_t v) { return is_beyond[std::size_t(v)] != 0; });
-  });
-  return crowns;
-}
-
-Result<compare::Registration> fit(const Crowns& crowns, const TriangleMesh& mesh, const Bvh& scan,
-                                  Progress& progress) {
-  constexpr std::size_t kCandidates = 2;
-  constexpr int kPasses = 3;
-  std::vector<Alignment> ends = search(crowns, scan, alignments(crowns, mesh));
-  std::vector<RigidTransform> near;
-  for (std::size_t n = 0; n < std::min(kCandidates, ends.size()); ++n)
-    for (const RigidTransform& X : alignments_near(ends[n].X, crowns)) near.push_back(X);
-  if (progress.stop_requested())
-    return fail(ErrorCode::kCancelled, "the registration was cancelled");
-  const compare::RegisterOptions options{.max_points = 8000, .max_median_mm = kMaxRms_mm};
-  Result<compare::Registration> found =
-      compare::Registration{.X_onto_from = search(crowns, scan, near).front().X};
-  // Where a part of the scan is missing, the closest points lie on its border, which pulls: such
-  // pairs are left out (Turk & Levoy 1994).
-  for (int pass = 0; found && pass < kPasses; ++pass) {
-    const std::array<RigidTransform, 1> now{found->X_onto_from};
-    found = compare::register_surface(within_scan(crowns.surface_L, scan, now[0]), scan, now,
-                                      options, progress);
-  }
-  return found;
 }
 
 template <class Filter>
@@ -262,19 +225,12 @@ void measure(const Crowns& crowns, const Bvh& scan, const RigidTransform& X, Arc
                   [&](const Vec3& p_L) { return sextant_of(crowns, p_L) == sextant; });
 }
 
-/// Root mean square of the distances of all vertices where the scan is not missing; 1 mm without a
-/// counterpart.
-double misfit_mm(const Crowns& crowns, const Bvh& scan, const RigidTransform& X,
-                 const std::vector<double>& distances_mm) {
-  const std::vector<std::uint8_t> is_beyond = beyond_scan(crowns.surface_L, scan, X);
-  double squared = 0.0, count = 0.0;
-  for (std::size_t v = 0; v < distances_mm.size(); ++v) {
-    if (is_beyond[v] != 0) continue;
-    const double d = std::isnan(distances_mm[v]) ? kCounterpart_mm : distances_mm[v];
-    squared += d * d;
-    count += 1.0;
-  }
-  return std::sqrt(squared / std::max(count, 1.0));
+/// Root mean square of the distances of all vertices; 1 mm without a counterpart.
+double misfit_mm(const std::vector<double>& distances_mm) {
+  double squared = 0.0;
+  for (const double d : distances_mm)
+    squared += std::isnan(d) ? kCounterpart_mm * kCounterpart_mm : d * d;
+  return std::sqrt(squared / double(distances_mm.size()));
 }
 
 [[nodiscard]] bool is_acceptable(const ArchFit& arch) {
@@ -291,8 +247,7 @@ Result<double> misfit_of(const Crowns& crowns, const TriangleMesh& scan, Progres
   if (!found) return kNone;
   ArchFit arch;
   measure(crowns, tree, found->X_onto_from, arch);
-  return is_acceptable(arch) ? misfit_mm(crowns, tree, found->X_onto_from, arch.distances_mm)
-                             : kNone;
+  return is_acceptable(arch) ? misfit_mm(arch.distances_mm) : kNone;
 }
 
 /// Scale of the crowns about their center that fits the scan best: a seventh unknown beside the
@@ -365,9 +320,7 @@ Result<ArchFit> register_outward(const TriangleMesh& scan, const Crowns& crowns,
   const bool fits = registration && is_acceptable(found);
   LEFORT_TRY_VOID(check_alternatives(
       scan, crowns, other,
-      fits ? misfit_mm(crowns, tree, registration->X_onto_from, found.distances_mm)
-           : std::numeric_limits<double>::infinity(),
-      progress));
+      fits ? misfit_mm(found.distances_mm) : std::numeric_limits<double>::infinity(), progress));
   if (!fits)
     return fail(ErrorCode::kNotConverged,
                 registration
