@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -51,6 +53,24 @@ TEST(RegisterArch, finds_scans_from_any_frame) {
     EXPECT_NEAR(found->scale, 1.0, 0.003);
     EXPECT_FALSE(found->is_reversed);
   }
+}
+
+TEST(RegisterArch, finds_a_scan_without_a_quadrant) {
+  const Crowns crowns = crowns_of(kLower, anatomy::Tooth::kLower);
+  const RigidTransform X = geometry::rigid_motion({5.0, 9.0, 2.0}, {0.4, 1.0, -0.3}, Vec3::Zero());
+  geometry::TriangleMesh scan = scan_of(kLower, RigidTransform::Identity());
+  std::erase_if(scan.triangles, [&](const geometry::Triangle& triangle) {
+    return std::any_of(triangle.begin(), triangle.end(), [&](std::int32_t v) {
+      const Vec3 arm = scan.vertices[std::size_t(v)] - crowns.center_L;
+      return arm.x() > 0.0 && arm.dot(crowns.anterior_L) < 0.0;
+    });
+  });
+  const auto found = register_arch(geometry::transformed(scan, X), crowns, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  const RigidTransform error = found->X_L_scan * X;
+  EXPECT_LT((error * crowns.center_L - crowns.center_L).norm(), 0.05);
+  EXPECT_LT(geometry::rotation_vector(error.linear()).norm(), radians_from_degrees(0.2));
+  EXPECT_LT(found->all.rms_mm, 0.1);
 }
 
 TEST(RegisterArch, turns_triangles_that_face_inward) {

@@ -18,6 +18,7 @@ constexpr double kArm_mm = 20.0;
 /// Distances along the normals and their derivatives; infinite without a counterpart.
 struct Distances {
   std::vector<double> off;
+  std::vector<double> size;  ///< Absolute; to a border, of the whole way.
   std::vector<Vec6> rows;
 };
 
@@ -25,6 +26,7 @@ Distances distances_at(const std::vector<PointWithNormal>& points, const geometr
                        const Vec3& center, const RigidTransform& X) {
   constexpr double kFacing = 0.3;
   Distances at{std::vector<double>(points.size(), std::numeric_limits<double>::infinity()),
+               std::vector<double>(points.size(), std::numeric_limits<double>::infinity()),
                std::vector<Vec6>(points.size(), Vec6::Zero())};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 p = X * points[i].point;
@@ -37,15 +39,13 @@ Distances distances_at(const std::vector<PointWithNormal>& points, const geometr
     const Vec3 offset = p - nearest->point;
     if (is_beyond_border(offset, there) && offset.norm() < kCounterpart_mm) continue;
     at.off[i] = there.dot(offset);
+    at.size[i] = is_beyond_border(offset, there) ? offset.norm() : std::abs(at.off[i]);
     at.rows[i] << (p - X * center).cross(there) / kArm_mm, there;
   }
   return at;
 }
 
-double quantile_of(const std::vector<double>& off, double quantile) {
-  std::vector<double> sizes;
-  sizes.reserve(off.size());
-  for (const double d : off) sizes.push_back(std::abs(d));
+double quantile_of(std::vector<double> sizes, double quantile) {
   const auto middle = sizes.begin() + std::ptrdiff_t(quantile * double(sizes.size()));
   std::nth_element(sizes.begin(), middle, sizes.end());
   return *middle;
@@ -58,14 +58,14 @@ Alignment iterate_coarsely(const std::vector<PointWithNormal>& points, const geo
   Alignment now{X};
   for (int n = 0; n < options.iterations; ++n) {
     const Distances at = distances_at(points, surface, center, now.X);
-    now.off_mm = quantile_of(at.off, options.quantile);
+    now.off_mm = quantile_of(at.size, options.quantile);
     const double width_mm =
         std::isfinite(now.off_mm) ? std::max(kTukeyWidth * now.off_mm, kMinWidth_mm) : kMaxWidth_mm;
     Mat6 A = Mat6::Identity() * 1e-3;
     Vec6 b = Vec6::Zero();
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!(std::abs(at.off[i]) < width_mm)) continue;
-      const double u = at.off[i] / width_mm, w = (1.0 - u * u) * (1.0 - u * u);
+      if (!(at.size[i] < width_mm)) continue;
+      const double u = at.size[i] / width_mm, w = (1.0 - u * u) * (1.0 - u * u);
       A += w * at.rows[i] * at.rows[i].transpose();
       b -= w * at.off[i] * at.rows[i];
     }
@@ -73,7 +73,7 @@ Alignment iterate_coarsely(const std::vector<PointWithNormal>& points, const geo
     now.X =
         geometry::rigid_motion(step.tail<3>(), step.head<3>() / kArm_mm, now.X * center) * now.X;
   }
-  now.off_mm = quantile_of(distances_at(points, surface, center, now.X).off, options.quantile);
+  now.off_mm = quantile_of(distances_at(points, surface, center, now.X).size, options.quantile);
   return now;
 }
 

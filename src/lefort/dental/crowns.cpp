@@ -1,7 +1,9 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/voxel_mask.h>
 #include <lefort/core/decompositions.h>
+#include <lefort/core/parallel.h>
 #include <lefort/dental/crowns.h>
+#include <lefort/geometry/pseudonormals.h>
 #include <lefort/image/interpolate.h>
 
 #include <fmt/format.h>
@@ -185,6 +187,33 @@ geometry::TriangleMesh keep_crowns(const geometry::TriangleMesh& mesh_L, const i
   return kept;
 }
 
+/// Moves each vertex along its normal to where the CT number is half way between the largest one
+/// inside and the smallest one outside (half-maximum height \cite spoor1993).
+void move_to_half_height(geometry::TriangleMesh& mesh_L, const image::CtVolume& ct) {
+  constexpr double kStep_mm = 0.1;
+  constexpr int kReach = 15, kMaxSteps = 5;
+  const geometry::Pseudonormals normals(mesh_L);
+  std::vector<Vec3> moved = mesh_L.vertices;
+  parallel_for(mesh_L.vertex_count(), [&](Index v) {
+    const Vec3& p_L = mesh_L.vertices[std::size_t(v)];
+    const Vec3 n = normals.at_vertex(mesh_L, v);
+    std::array<double, 2 * kReach + 1> hu{};
+    for (int s = -kReach; s <= kReach; ++s)
+      hu[std::size_t(s + kReach)] = image::interpolate(ct, Vec3(p_L + s * kStep_mm * n), 0.0);
+    const auto middle = hu.begin() + kReach;
+    const double half =
+        0.5 * (*std::max_element(hu.begin(), middle + 1) + *std::min_element(middle, hu.end()));
+    for (int s = 0; s <= kMaxSteps; ++s)
+      for (const int at : {s, -s - 1}) {
+        const double a = *(middle + at), b = *(middle + at + 1);
+        if (!(a >= half && half > b)) continue;
+        moved[std::size_t(v)] = p_L + kStep_mm * (at + (a - half) / (a - b)) * n;
+        return;
+      }
+  });
+  mesh_L.vertices = std::move(moved);
+}
+
 }  // namespace
 
 Result<Crowns> find_crowns(const image::CtVolume& ct, const ToothMap& teeth, Tooth jaw,
@@ -209,6 +238,7 @@ Result<Crowns> find_crowns(const image::CtVolume& ct, const ToothMap& teeth, Too
   LEFORT_TRY(const geometry::TriangleMesh surface_L,
              anatomy::extract_isosurface(level_of(ct, teeth, jaw, crowns.border_hu), {}, progress));
   crowns.surface_L = keep_crowns(surface_L, ct, crowns);
+  move_to_half_height(crowns.surface_L, ct);
   if (crowns.surface_L.vertex_count() < kMinVertices)
     return fail(ErrorCode::kAnatomyMissing,
                 fmt::format("the {} crowns have {} vertices on the border of enamel, must be {} or "

@@ -49,9 +49,10 @@ struct ArchFit {
 /// Registers an intraoral scan without initial alignment.
 ///
 /// The vertices of the crowns are registered with the scan (compare/register_surface.h), so that
-/// gingiva and palate in the scan do not matter, and metal in the CT is an outlier. Initial
-/// alignments turn the scan about its occlusal direction, which is the vector area of the open
-/// surface, or the axis of least variance; the best one is refined.
+/// gingiva and palate in the scan do not matter, and metal in the CT is an outlier. Crowns whose
+/// closest point is on the border of the scan, 1 mm away or more, are left out \cite turk1994.
+/// Initial alignments turn the scan about its occlusal direction, which is the vector area of the
+/// open surface, or the axis of least variance; the best one is refined.
 ///
 /// \param scan    the intraoral scan [mm], in its own frame; open or closed.
 /// \param crowns  of the same jaw.
