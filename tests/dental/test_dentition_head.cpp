@@ -93,8 +93,8 @@ TEST(DentitionHead, teeth_are_numbered_and_scans_registered) {
     const geometry::TriangleMesh file = geometry::transformed(*arch_L, X_scan_L);
     const auto fit = register_arch(file, *crowns, nullptr);
     ASSERT_TRUE(fit) << fit.error().message;
-    EXPECT_LT(max_miss_mm(file, fit->X_L_scan, X_scan_L.inverse()), 0.2) << is_upper;
-    EXPECT_LT(turn_deg(fit->X_L_scan, X_scan_L.inverse()), 0.5) << is_upper;
+    EXPECT_LT(max_miss_mm(file, fit->X_L_scan, X_scan_L.inverse()), 0.05) << is_upper;
+    EXPECT_LT(turn_deg(fit->X_L_scan, X_scan_L.inverse()), 0.1) << is_upper;
     arches_L[is_upper ? 0 : 1] = geometry::transformed(file, fit->X_L_scan);
   }
   const auto occlusion = find_occlusion(arches_L[0], arches_L[1], ArchAxes{});

@@ -37,6 +37,24 @@ geometry::TriangleMesh scan_of(test::ArchShape shape, const RigidTransform& X) {
   return geometry::transformed(test::make_arch(shape), X);
 }
 
+geometry::TriangleMesh without_molars_of_a_side(geometry::TriangleMesh scan_L,
+                                                const Crowns& crowns) {
+  std::erase_if(scan_L.triangles, [&](const geometry::Triangle& triangle) {
+    return std::any_of(triangle.begin(), triangle.end(), [&](std::int32_t v) {
+      const Vec3 arm = scan_L.vertices[std::size_t(v)] - crowns.center_L;
+      return arm.x() > 0.0 && arm.dot(crowns.anterior_L) < 0.0;
+    });
+  });
+  return scan_L;
+}
+
+/// The mirror image; its triangles face outward.
+geometry::TriangleMesh mirror_image(geometry::TriangleMesh scan) {
+  for (Vec3& p : scan.vertices) p.x() = -p.x();
+  for (geometry::Triangle& triangle : scan.triangles) std::swap(triangle[0], triangle[1]);
+  return scan;
+}
+
 TEST(RegisterArch, finds_scans_from_any_frame) {
   const Crowns crowns = crowns_of(kLower, anatomy::Tooth::kLower);
   for (int n = 0; n < 3; ++n) {
@@ -55,16 +73,11 @@ TEST(RegisterArch, finds_scans_from_any_frame) {
   }
 }
 
-TEST(RegisterArch, finds_a_scan_without_a_quadrant) {
+TEST(RegisterArch, finds_a_scan_without_the_molars_of_a_side) {
   const Crowns crowns = crowns_of(kLower, anatomy::Tooth::kLower);
   const RigidTransform X = geometry::rigid_motion({5.0, 9.0, 2.0}, {0.4, 1.0, -0.3}, Vec3::Zero());
-  geometry::TriangleMesh scan = scan_of(kLower, RigidTransform::Identity());
-  std::erase_if(scan.triangles, [&](const geometry::Triangle& triangle) {
-    return std::any_of(triangle.begin(), triangle.end(), [&](std::int32_t v) {
-      const Vec3 arm = scan.vertices[std::size_t(v)] - crowns.center_L;
-      return arm.x() > 0.0 && arm.dot(crowns.anterior_L) < 0.0;
-    });
-  });
+  const geometry::TriangleMesh scan =
+      without_molars_of_a_side(scan_of(kLower, RigidTransform::Identity()), crowns);
   const auto found = register_arch(geometry::transformed(scan, X), crowns, nullptr);
   ASSERT_TRUE(found) << found.error().message;
   const RigidTransform error = found->X_L_scan * X;
@@ -95,10 +108,10 @@ TEST(RegisterArch, refuses_what_is_not_a_scan_of_this_jaw) {
   const RigidTransform X = geometry::rigid_motion({5.0, 9.0, 2.0}, {0.4, 1.0, -0.3}, Vec3::Zero());
   expect_refused(scan_of(kUpper, X), "swapped");
   geometry::TriangleMesh scan = scan_of(kLower, X);
-  for (Vec3& p : scan.vertices) p.x() = -p.x();
-  for (geometry::Triangle& triangle : scan.triangles) std::swap(triangle[0], triangle[1]);
-  expect_refused(scan, "mirror");
-  scan = scan_of(kLower, X);
+  expect_refused(mirror_image(scan), "mirror");
+  const geometry::TriangleMesh part = without_molars_of_a_side(
+      scan_of(kLower, RigidTransform::Identity()), crowns_of(kLower, anatomy::Tooth::kLower));
+  expect_refused(mirror_image(geometry::transformed(part, X)), "mirror");
   for (Vec3& p : scan.vertices) p *= 1.03;
   expect_refused(scan, "scaled");
   for (Vec3& p : scan.vertices) p *= 0.001;

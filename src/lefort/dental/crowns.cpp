@@ -30,6 +30,7 @@ constexpr double kMinFlatness = 2.0;
 constexpr double kMinUpright = 0.7;  // 45 degrees.
 constexpr Index kMinVertices = 100;
 constexpr double kCrown_mm = 6.0;
+constexpr double kMaxEnamel = 1.25;  // Of the median of enamel; more is metal.
 /// The CT number at a border may differ from border_hu by this fraction, from interpolation.
 constexpr double kBorderTolerance = 0.25;
 
@@ -188,8 +189,9 @@ geometry::TriangleMesh keep_crowns(const geometry::TriangleMesh& mesh_L, const i
 }
 
 /// Moves each vertex along its normal to where the CT number is half way between the largest one
-/// inside and the smallest one outside (half-maximum height \cite spoor1993).
-void move_to_half_height(geometry::TriangleMesh& mesh_L, const image::CtVolume& ct) {
+/// inside, without metal, and the smallest one outside (half-maximum height \cite spoor1993).
+/// Vertices without such a place within 0.5 mm stay.
+void move_to_half_height(geometry::TriangleMesh& mesh_L, const image::CtVolume& ct, double max_hu) {
   constexpr double kStep_mm = 0.1;
   constexpr int kReach = 15, kMaxSteps = 5;
   const geometry::Pseudonormals normals(mesh_L);
@@ -201,9 +203,9 @@ void move_to_half_height(geometry::TriangleMesh& mesh_L, const image::CtVolume& 
     for (int s = -kReach; s <= kReach; ++s)
       hu[std::size_t(s + kReach)] = image::interpolate(ct, Vec3(p_L + s * kStep_mm * n), 0.0);
     const auto middle = hu.begin() + kReach;
-    const double half =
-        0.5 * (*std::max_element(hu.begin(), middle + 1) + *std::min_element(middle, hu.end()));
-    for (int s = 0; s <= kMaxSteps; ++s)
+    const double inside = std::min(*std::max_element(hu.begin(), middle + 1), max_hu);
+    const double half = 0.5 * (inside + *std::min_element(middle, hu.end()));
+    for (int s = 0; s < kMaxSteps; ++s)
       for (const int at : {s, -s - 1}) {
         const double a = *(middle + at), b = *(middle + at + 1);
         if (!(a >= half && half > b)) continue;
@@ -238,7 +240,7 @@ Result<Crowns> find_crowns(const image::CtVolume& ct, const ToothMap& teeth, Too
   LEFORT_TRY(const geometry::TriangleMesh surface_L,
              anatomy::extract_isosurface(level_of(ct, teeth, jaw, crowns.border_hu), {}, progress));
   crowns.surface_L = keep_crowns(surface_L, ct, crowns);
-  move_to_half_height(crowns.surface_L, ct);
+  move_to_half_height(crowns.surface_L, ct, kMaxEnamel * 2.0 * crowns.border_hu);
   if (crowns.surface_L.vertex_count() < kMinVertices)
     return fail(ErrorCode::kAnatomyMissing,
                 fmt::format("the {} crowns have {} vertices on the border of enamel, must be {} or "

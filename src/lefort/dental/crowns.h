@@ -32,8 +32,9 @@ struct Crowns {
 /// The surface first lies where the CT number is half of that of enamel: the border of a dense body
 /// in blurred images does not move there (\cite prevrhal1999), if its surroundings have 0 HU. Then
 /// each vertex moves along its normal, by up to 0.5 mm, to where the CT number is half way between
-/// the largest one inside and the smallest one outside, within 1.5 mm (half-maximum height,
-/// \cite spoor1993). The occlusal plane is the least-squares
+/// the largest one inside (at most 1.25 times enamel: not metal) and the smallest one outside,
+/// within 1.5 mm (half-maximum height, \cite spoor1993). Vertices without such a place stay. The
+/// occlusal plane is the least-squares
 /// plane through the enamel; crowns are what lies less than 6 mm on the side of the roots.
 ///
 /// \param ct     the scan; teeth of the wanted jaw must be on it.

@@ -28,13 +28,16 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 constexpr double kMinLength_mm = 25.0, kMaxLength_mm = 150.0;
-/// A registration is accepted up to this RMS. Right scans had up to 0.22 mm, mirrored ones 0.44 or
-/// more; distances of no relation, uniform within 1 mm, would have 0.58.
+/// A registration is accepted up to this RMS. On one labeled head, correct scans have up to 0.22 mm
+/// and mirrored ones 0.44 or more; unrelated distances, uniform within 1 mm, would have 0.58.
 constexpr double kMaxRms_mm = 0.4;
 /// At least so much of the crowns has a counterpart; the rest may be metal or cropped.
 constexpr double kMinFraction = 0.4;
 constexpr double kMaxScaleError = 0.015;
-/// Another jaw or the mirror image fits better if its RMS is below this fraction.
+/// A scan that fits only with a scale is called scaled up to this: with more, any scan may fit.
+constexpr double kMaxKnownScale = 0.1;
+/// Another jaw or the mirror image fits better if its RMS is below this part of the scan's own, and
+/// at least this part of the own vertices has a counterpart.
 constexpr double kClearlyBetter = 0.8;
 constexpr int kTurns = 24;
 /// Crowns within this angle of the anterior direction, seen from the middle of the arch.
@@ -173,7 +176,8 @@ std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const Ri
   return distances;
 }
 
-/// Vertices of the crowns where the scan is missing: the closest point is on its border, and far.
+/// Vertices of the crowns where the scan is missing: more than 1 mm away and beside it, as seen along
+/// the normal at the closest point.
 std::vector<std::uint8_t> beyond_scan(const TriangleMesh& crowns, const Bvh& scan,
                                       const RigidTransform& X) {
   std::vector<std::uint8_t> is_beyond(crowns.vertices.size(), 0);
@@ -209,11 +213,11 @@ Result<compare::Registration> fit(const Crowns& crowns, const TriangleMesh& mesh
     for (const RigidTransform& X : alignments_near(ends[n].X, crowns)) near.push_back(X);
   if (progress.stop_requested())
     return fail(ErrorCode::kCancelled, "the registration was cancelled");
-  const compare::RegisterOptions options{.max_points = 8000, .max_median_mm = 0.5};
+  const compare::RegisterOptions options{.max_points = 8000, .max_median_mm = kCounterpart_mm};
   Result<compare::Registration> found =
       compare::Registration{.X_onto_from = search(crowns, scan, near).front().X};
   // Where a part of the scan is missing, the closest points lie on its border, which pulls: such
-  // pairs are left out (Turk & Levoy 1994).
+  // pairs are left out, as by Turk & Levoy 1994.
   for (int pass = 0; found && pass < kPasses; ++pass) {
     const std::array<RigidTransform, 1> now{found->X_onto_from};
     found = compare::register_surface(within_scan(crowns.surface_L, scan, now[0]), scan, now,
@@ -268,7 +272,7 @@ void measure(const Crowns& crowns, const Bvh& scan, const RigidTransform& X, Arc
   return distances.rms_mm <= kMaxRms_mm && distances.fraction >= kMinFraction;
 }
 
-/// Distances of the best fit; nothing if it is not acceptable.
+/// Distances of the best fit; nothing if there is none.
 Result<std::optional<CrownDistances>> distances_of_fit(const Crowns& crowns,
                                                        const TriangleMesh& scan,
                                                        Progress& progress) {
@@ -279,13 +283,16 @@ Result<std::optional<CrownDistances>> distances_of_fit(const Crowns& crowns,
   if (!found) return std::nullopt;
   ArchFit arch;
   measure(crowns, tree, found->X_onto_from, arch);
-  return is_acceptable(arch.all) ? std::optional(arch.all) : std::nullopt;
+  return arch.all;
 }
 
 /// Whether an alternative fits, and clearly better than the scan as it is, which may not fit.
 [[nodiscard]] bool is_better(const std::optional<CrownDistances>& alternative,
                              const std::optional<CrownDistances>& own) {
-  return alternative && (!own || alternative->rms_mm < kClearlyBetter * own->rms_mm);
+  if (!alternative) return false;
+  if (!own) return is_acceptable(*alternative);
+  return alternative->rms_mm < kClearlyBetter * own->rms_mm &&
+         alternative->fraction >= kClearlyBetter * own->fraction;
 }
 
 /// Scale of the CT relative to the scan, and the distances of the crowns with that scale.
@@ -337,16 +344,16 @@ ScaledFit fit_with_scale(const Crowns& crowns, const Bvh& scan, RigidTransform X
 Result<void> check_alternatives(const TriangleMesh& scan, const Crowns& crowns, const Crowns* other,
                                 const std::optional<CrownDistances>& own, Progress& progress) {
   if (other) {
-    LEFORT_TRY(const auto there, distances_of_fit(*other, scan, progress));
-    if (is_better(there, own))
+    LEFORT_TRY(const auto other_jaw, distances_of_fit(*other, scan, progress));
+    if (is_better(other_jaw, own))
       return fail(
           ErrorCode::kInvalidArgument,
           fmt::format("the intraoral scan of the {} jaw fits the {} teeth: the files may be "
                       "swapped",
                       name_of(crowns.jaw), name_of(other->jaw)));
   }
-  LEFORT_TRY(const auto image, distances_of_fit(crowns, mirrored(scan), progress));
-  if (is_better(image, own))
+  LEFORT_TRY(const auto mirror_image, distances_of_fit(crowns, mirrored(scan), progress));
+  if (is_better(mirror_image, own))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the mirror image of the intraoral scan fits the {} teeth: it is "
                             "mirrored, or of another patient",
@@ -371,9 +378,10 @@ Result<ArchFit> register_outward(const TriangleMesh& scan, const Crowns& crowns,
                 fmt::format("the intraoral scan does not fit the {} teeth: {}", name_of(crowns.jaw),
                             registration.error().message));
   const ScaledFit scaled = fit_with_scale(crowns, tree, registration->X_onto_from);
-  if (!(std::abs(scaled.scale - 1.0) <= kMaxScaleError) &&
-      (fits || is_acceptable(scaled.distances)))
-    return fail(ErrorCode::kInvalidArgument,
+  const double off = std::abs(scaled.scale - 1.0);
+  if (!(off <= kMaxScaleError) &&
+      (fits || (off < kMaxKnownScale && is_acceptable(scaled.distances))))
+    return fail(fits ? ErrorCode::kInvalidArgument : ErrorCode::kNotConverged,
                 fmt::format("the intraoral scan is scaled: it fits the {} teeth with a factor of "
                             "{:.3f}, must be 1 within {:g}",
                             name_of(crowns.jaw), scaled.scale, kMaxScaleError));
@@ -397,8 +405,8 @@ Result<ArchFit> register_arch(const TriangleMesh& scan, const Crowns& crowns, co
   if (other) LEFORT_TRY_VOID(geometry::check_surface(other->surface_L));
   auto found = register_outward(scan, crowns, other, progress);
   if (found || found.error().code != ErrorCode::kNotConverged) return found;
-  LEFORT_TRY(const auto there, distances_of_fit(crowns, reversed(scan), progress));
-  if (!there) return found;
+  LEFORT_TRY(const auto turned_fit, distances_of_fit(crowns, reversed(scan), progress));
+  if (!turned_fit || !is_acceptable(*turned_fit)) return found;
   LEFORT_TRY(ArchFit turned, register_outward(reversed(scan), crowns, other, progress));
   turned.is_reversed = true;
   return turned;

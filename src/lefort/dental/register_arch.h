@@ -49,8 +49,9 @@ struct ArchFit {
 /// Registers an intraoral scan without initial alignment.
 ///
 /// The vertices of the crowns are registered with the scan (compare/register_surface.h), so that
-/// gingiva and palate in the scan do not matter, and metal in the CT is an outlier. Crowns whose
-/// closest point is on the border of the scan, 1 mm away or more, are left out \cite turk1994.
+/// gingiva and palate in the scan do not matter, and metal in the CT is an outlier. Crowns more
+/// than 1 mm beyond the border of the scan, as seen along its normal, are left out, as by
+/// \cite turk1994.
 /// Initial alignments turn the scan about its occlusal direction, which is the vector area of the
 /// open surface, or the axis of least variance; the best one is refined.
 ///
@@ -61,7 +62,7 @@ struct ArchFit {
 ///   - kInvalidArgument  the scan is not 25 to 150 mm long, and which unit it may have; a scan that
 ///     fits the other jaw better, or its mirror image the same one; or a scale more than 1.5 % from
 ///     1;
-///   - kNotConverged     the scan does not fit the crowns;
+///   - kNotConverged     the scan does not fit the crowns, or only with another scale;
 ///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<ArchFit> register_arch(const geometry::TriangleMesh& scan,
                                             const Crowns& crowns, const Crowns* other,

@@ -63,9 +63,10 @@ std::string arch_text(const RegisteredArch& arch) {
   for (const auto sextant :
        {dental::Sextant::kRight, dental::Sextant::kAnterior, dental::Sextant::kLeft}) {
     const dental::CrownDistances& one = arch.fit.sextants[std::size_t(sextant)];
-    text += one.points > 0 ? fmt::format("\n    {:<8} RMS {:.2f} mm, P95 {:.2f} mm",
-                                         dental::name_of(sextant), one.rms_mm, one.p95_mm)
-                           : fmt::format("\n    {:<8} no crowns", dental::name_of(sextant));
+    text += one.points > 0 ? fmt::format("\n    {:<8} RMS {:.2f} mm, P95 {:.2f} mm over {:.0f} %",
+                                         dental::name_of(sextant), one.rms_mm, one.p95_mm,
+                                         100.0 * one.fraction)
+                           : fmt::format("\n    {:<8} no counterpart", dental::name_of(sextant));
   }
   if (arch.fit.is_reversed) text += "\n    its triangles were clockwise and were turned";
   return text;

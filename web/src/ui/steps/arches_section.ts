@@ -96,7 +96,7 @@ const archesTable = (arches: Schemas['Arches']): Html =>
     </table>
     ${hint('Distance of the crowns of the CT from the scan, in mm. A sextant with metal may differ.')}`;
 
-/** RMS and P95; without crowns there are none. */
+/** RMS and P95; without a counterpart there are none. */
 const distancesOf = ({ points, rms_mm, p95_mm }: Schemas['CrownDistances']): (number | null)[] =>
   points > 0 ? [rms_mm, p95_mm] : [null, null];
 
