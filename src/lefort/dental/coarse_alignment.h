@@ -35,8 +35,8 @@ struct CoarseOptions {
 };
 
 /// From each start some iterations of closest points with point-to-plane distances \cite chen1992
-/// and Tukey's weights, whose width follows a quantile of the distances. Points beyond the border of
-/// an open surface count with the whole distance.
+/// and Tukey's weights, whose width follows a quantile of the distances. Points beyond the border
+/// of an open surface count with the whole distance.
 ///
 /// \param points    of the object.
 /// \param surface   the one to register with; closed or open.

@@ -176,8 +176,8 @@ std::vector<double> distances_of(const Crowns& crowns, const Bvh& scan, const Ri
   return distances;
 }
 
-/// Vertices of the crowns where the scan is missing: more than 1 mm away and beside it, as seen along
-/// the normal at the closest point.
+/// Vertices of the crowns where the scan is missing: more than 1 mm away and beside it, as seen
+/// along the normal at the closest point.
 std::vector<std::uint8_t> beyond_scan(const TriangleMesh& crowns, const Bvh& scan,
                                       const RigidTransform& X) {
   std::vector<std::uint8_t> is_beyond(crowns.vertices.size(), 0);
