@@ -28,7 +28,7 @@ using geometry::Bvh;
 using geometry::TriangleMesh;
 
 constexpr double kMinLength_mm = 25.0, kMaxLength_mm = 150.0;
-/// A registration is accepted up to this RMS. On one labeled head, correct scans have up to 0.22 mm
+/// A registration is accepted up to this RMS. On one labeled head, correct scans have up to 0.26 mm
 /// and mirrored ones 0.44 or more; unrelated distances, uniform within 1 mm, would have 0.58.
 constexpr double kMaxRms_mm = 0.4;
 /// At least so much of the crowns has a counterpart; the rest may be metal or cropped.
