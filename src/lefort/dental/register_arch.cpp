@@ -381,10 +381,11 @@ Result<ArchFit> register_outward(const TriangleMesh& scan, const Crowns& crowns,
   const double off = std::abs(scaled.scale - 1.0);
   if (!(off <= kMaxScaleError) &&
       (fits || (off < kMaxKnownScale && is_acceptable(scaled.distances))))
-    return fail(fits ? ErrorCode::kInvalidArgument : ErrorCode::kNotConverged,
-                fmt::format("the intraoral scan is scaled: it fits the {} teeth with a factor of "
-                            "{:.3f}, must be 1 within {:g}",
-                            name_of(crowns.jaw), scaled.scale, kMaxScaleError));
+    return fail(
+        fits ? ErrorCode::kInvalidArgument : ErrorCode::kNotConverged,
+        fmt::format("the intraoral scan is scaled, or of another patient: it fits the {} teeth "
+                    "with a factor of {:.3f}, must be 1 within {:g}",
+                    name_of(crowns.jaw), scaled.scale, kMaxScaleError));
   if (!fits)
     return fail(ErrorCode::kNotConverged,
                 fmt::format("the intraoral scan does not fit the {} teeth: {:.0f} % of the crowns "
