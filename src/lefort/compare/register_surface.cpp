@@ -27,8 +27,9 @@ constexpr double kTukey = 4.685, kSigmaOfMedian = 1.4826;
 /// Smallest standard deviation: rounding and chord errors of fine surfaces. With less, an exact fit
 /// would reject points at random.
 constexpr double kMinSigma_mm = 0.02;
-/// Smaller steps come from points whose counterparts alternate.
 constexpr double kConverged_mm = 1e-3;
+/// Steps up to this may never end, because counterparts of some points alternate.
+constexpr double kAlternating_mm = 1e-2;
 constexpr double kMinStability = 1e-4;
 constexpr double kMinInlierFraction = 1.0 / 3.0;
 
@@ -159,7 +160,7 @@ Result<IcpResult> iterate(const std::vector<Sample>& samples, const Bvh& onto,
         -eigen.vectors *
         (eigen.vectors.transpose() * (sums.vector / sums.weight)).cwiseQuotient(eigen.values);
     X = geometry::rigid_motion(step.tail<3>(), step.head<3>() / radius_mm, center) * X;
-    now.has_converged = step.norm() < kConverged_mm;
+    now.has_converged = step.norm() < (k + 1 < max_iterations ? kConverged_mm : kAlternating_mm);
   }
   return now;
 }

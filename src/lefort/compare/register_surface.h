@@ -14,7 +14,7 @@ namespace lefort::compare {
 
 struct RegisterOptions {
   Index max_points = 20000;  ///< Max number of vertices used in the last iterations; >= 100.
-  int max_iterations = 200;  ///< >= 1.
+  int max_iterations = 200;  ///< >= 1; the last step must be below 0.01 mm.
   /// Max median of the distances after registration; > 0. The bone in two scans of one patient
   /// agrees within a fraction of a voxel.
   double max_median_mm = 1.5;
