@@ -41,13 +41,27 @@ async function choose(button, file) {
   await (await choosing).setFiles(file);
 }
 
-/** Starts a job by its button, and waits for its end. */
-async function runJob(kind, timeout = 900000) {
-  await page.click(id(`run-${kind}`));
-  await page.waitForTimeout(600);
-  await page.waitForSelector(id(`run-${kind}`), { timeout });
+/** Starts a job by its button, and waits until the server has ended it and the page shows that. */
+async function press(button, timeout = 900000) {
+  const isStart = (response) =>
+    response.request().method() === 'POST' && new URL(response.url()).pathname.endsWith('/jobs');
+  const [started] = await Promise.all([page.waitForResponse(isStart), page.click(id(button))]);
+  const url = `${started.url()}/${(await started.json()).id}`;
+  const headers = { 'X-Lefort-Token': started.request().headers()['x-lefort-token'] };
+  const until = Date.now() + timeout;
+  for (;;) {
+    const { state, message } = await (await page.request.get(url, { headers })).json();
+    if (state === 'done') break;
+    check(`${button}: ${state} ${message}`, state === 'queued' || state === 'running');
+    check(`${button} ends within ${timeout / 1000} s`, Date.now() < until);
+    await page.waitForTimeout(200);
+  }
   await idle(page, timeout);
   await settled(page);
+}
+
+async function runJob(kind) {
+  await press(`run-${kind}`);
   const failed = await page.locator('.notice.error').allInnerTexts();
   check(`${kind}: ${failed.join(' ')}`, failed.length === 0);
 }
@@ -114,9 +128,7 @@ async function plan() {
     await page.click(id(`template-${kind}`));
     await saved(page);
   }
-  await page.click(id('cut'));
-  await page.waitForTimeout(600);
-  await idle(page);
+  await press('cut');
   await dot(page, 'osteotomy', 'fresh');
   await done('09-cut');
   await step(page, 'movement');
@@ -136,10 +148,7 @@ async function plan() {
 
 async function checkPlan() {
   await step(page, 'movement');
-  await page.click(id('check'));
-  await page.waitForTimeout(600);
-  await page.locator(`${id('check')}:not([disabled])`).waitFor({ timeout: 600000 });
-  await idle(page);
+  await press('check');
 }
 
 async function print() {
@@ -176,9 +185,7 @@ async function measures(words) {
 
 async function predict() {
   await step(page, 'predict');
-  await page.click(id('predict'));
-  await page.waitForSelector(id('predict-stage'));
-  await idle(page, 7200000);
+  await press('predict', 7200000);
   await dot(page, 'predict', 'fresh');
   await done('17-predicted');
   await step(page, 'compare');
