@@ -73,10 +73,13 @@ export async function openBrowser() {
   return browser;
 }
 
-export async function openPage(address, { width = 1280, height = 800, scheme = 'light' } = {}) {
+export async function openPage(
+  address,
+  { width = 1280, height = 800, scheme = 'light', motion = 'no-preference' } = {},
+) {
   const context = await (
     await openBrowser()
-  ).newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
+  ).newContext({ viewport: { width, height }, colorScheme: scheme, reducedMotion: motion, acceptDownloads: true });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
   page.faults = [];
