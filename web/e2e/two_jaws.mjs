@@ -46,9 +46,9 @@ async function choose(button, file) {
 async function press(button, timeout = 900000) {
   const isStart = (response) =>
     response.request().method() === 'POST' && new URL(response.url()).pathname.endsWith('/jobs');
-  const [started] = await Promise.all([page.waitForResponse(isStart), page.click(id(button))]);
-  const url = `${started.url()}/${(await started.json()).id}`;
-  const headers = { 'X-Lefort-Token': started.request().headers()['x-lefort-token'] };
+  const [accepted] = await Promise.all([page.waitForResponse(isStart), page.click(id(button))]);
+  const url = `${accepted.url()}/${(await accepted.json()).id}`;
+  const headers = { 'X-Lefort-Token': accepted.request().headers()['x-lefort-token'] };
   const until = Date.now() + timeout;
   for (;;) {
     const { state, message } = await (await page.request.get(url, { headers })).json();
