@@ -10,6 +10,7 @@ export * from './movement_edit';
 export * from './moves';
 export * from './nerve';
 export * from './occlusion';
+export * from './penetration';
 export * from './plan';
 export * from './prepare';
 export * from './profile';

@@ -7,6 +7,7 @@ import { stageOf, type State } from '../state';
 import type { Viewer } from '../viewer';
 import { button, chip, empty, hint, icon, notice, section, segmented, toggle, type Html } from '../widgets';
 import { afterSurgerySection } from './after_surgery_section';
+import { penetrationNotice } from './penetration_notice';
 import { legend, missingRegions, regionName, valueCells } from './region_table';
 import { uncertaintyPanel } from './uncertainty_panel';
 import { variantsPanel } from './variants_panel';
@@ -82,8 +83,9 @@ function facesPanel(app: App, s: State, view: Viewer): Html {
     return html`${notice('error', 'Not converged: there is no face to compare', s.prediction.failure)}${toPrediction}`;
   return html`
     ${stage.state === 'stale' ? notice('warning', 'Out of date: predicted for an earlier plan', stage.why) : nothing}
-    ${segmented('Comparison mode', MODES, s.compareMode, (v) => app.patch({ compareMode: v }))} ${showSection(app, s)}
-    ${displacementSection(s)} ${afterSurgerySection(app, s)} ${profileSection(view)} ${exportSection(app, s, view)}
+    ${penetrationNotice(s)} ${segmented('Comparison mode', MODES, s.compareMode, (v) => app.patch({ compareMode: v }))}
+    ${showSection(app, s)} ${displacementSection(s)} ${afterSurgerySection(app, s)} ${profileSection(view)}
+    ${exportSection(app, s, view)}
   `;
 }
 

@@ -5,6 +5,7 @@ import type { App } from '../app';
 import { residualPlot } from '../plot';
 import { isBusyWith, lastJob, stageOf, type NewtonPoint, type State } from '../state';
 import { button, chip, empty, hint, notice, progressBar, section, toggle, type Html } from '../widgets';
+import { penetrationNotice } from './penetration_notice';
 import { overlapNotice, previewState } from './preview_state';
 
 /** Default of the plan: Newton's method stops below this fraction of the first residual. */
@@ -148,6 +149,7 @@ function lastSolve(app: App, s: State): Html {
   const iterations = steps.reduce((sum, x) => sum + x.newton_iterations, 0);
   return section(
     'Last solve',
+    penetrationNotice(s),
     html`<div class="stats">
       ${stat(html`${fixed(skin_max_shift_mm, 1)} <small>mm</small>`, 'max skin displacement')}
       ${stat(iterations, `iterations, ${steps.length} steps`)}
